@@ -1,0 +1,4 @@
+//! relume relights scenes on a CPU.
+
+mod maths;
+mod scene;

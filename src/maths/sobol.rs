@@ -1,0 +1,148 @@
+//! Owen-scrambled Sobol points (Joe and Kuo's direction numbers, dimensions
+//! 1 to 4; hashed Owen scrambling after Laine and Karras 2011 in the form of
+//! Burley, "Practical Hash-based Owen Scrambling", JCGT 2020).
+
+use super::hash::{hash3, unit_f32};
+
+/// Points of a set are numbered up to 2^16; more are never asked for.
+const DIRECTION_BITS: usize = 16;
+
+/// Direction numbers of dimensions 2 to 4 (dimension 1 is the bit reversal),
+/// from Joe and Kuo's table: (degree s, coefficients a, initial numbers m).
+const JOE_KUO: [(u32, u32, &[u32]); 3] = [(1, 0, &[1]), (2, 1, &[1, 3]), (3, 1, &[1, 3, 1])];
+
+const DIRECTIONS: [[u32; DIRECTION_BITS]; 4] = direction_numbers();
+
+const fn direction_numbers() -> [[u32; DIRECTION_BITS]; 4] {
+    let mut v = [[0_u32; DIRECTION_BITS]; 4];
+    let mut i = 0;
+    while i < DIRECTION_BITS {
+        v[0][i] = 1 << (31 - i);
+        i += 1;
+    }
+    let mut dim = 1;
+    while dim < 4 {
+        let (s, a, m) = JOE_KUO[dim - 1];
+        let s = s as usize;
+        let mut i = 0;
+        while i < DIRECTION_BITS {
+            if i < s {
+                v[dim][i] = m[i] << (31 - i);
+            } else {
+                let mut x = v[dim][i - s] ^ (v[dim][i - s] >> s);
+                let mut k = 1;
+                while k < s {
+                    if (a >> (s - 1 - k)) & 1 == 1 {
+                        x ^= v[dim][i - k];
+                    }
+                    k += 1;
+                }
+                v[dim][i] = x;
+            }
+            i += 1;
+        }
+        dim += 1;
+    }
+    v
+}
+
+/// One coordinate of point `index` (below 65,536) before scrambling.
+fn sobol(index: u32, dimension: usize) -> u32 {
+    let mut bits = 0;
+    let mut rest = index;
+    let mut i = 0;
+    while rest != 0 {
+        if rest & 1 == 1 {
+            bits ^= DIRECTIONS[dimension][i];
+        }
+        rest >>= 1;
+        i += 1;
+    }
+    bits
+}
+
+/// Owen scrambling by a hash that lets a bit depend on higher bits only
+/// (the improved Laine-Karras permutation on reversed bits).
+fn owen_scramble(bits: u32, seed: u32) -> u32 {
+    let mut x = bits.reverse_bits();
+    x ^= x.wrapping_mul(0x3d20_adea);
+    x = x.wrapping_add(seed);
+    x = x.wrapping_mul((seed >> 16) | 1);
+    x ^= x.wrapping_mul(0x0552_6c56);
+    x ^= x.wrapping_mul(0x53a2_2864);
+    x.reverse_bits()
+}
+
+/// A set of points in the unit cube of 4 dimensions, scrambled by its seed:
+/// sets of different seeds are independent, each is a (0, m, 2)-net in its
+/// first two dimensions.
+#[derive(Clone, Copy)]
+pub(crate) struct ScrambledSobol {
+    seeds: [u32; 4],
+}
+
+impl ScrambledSobol {
+    pub(crate) fn new(seed: u32, set: u32) -> Self {
+        Self {
+            seeds: [0, 1, 2, 3].map(|dimension| hash3(seed, set, dimension)),
+        }
+    }
+
+    /// Point `index` (below 65,536), coordinates in [0, 1).
+    pub(crate) fn point(&self, index: u32) -> [f32; 4] {
+        debug_assert!(index < 1 << DIRECTION_BITS, "a Sobol set has 65,536 points");
+        [0, 1, 2, 3].map(|d| unit_f32(owen_scramble(sobol(index, d), self.seeds[d])))
+    }
+
+    /// The first two coordinates of point `index`.
+    pub(crate) fn point2(&self, index: u32) -> [f32; 2] {
+        [0, 1].map(|d| unit_f32(owen_scramble(sobol(index, d), self.seeds[d])))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_dimension_is_stratified() {
+        let set = ScrambledSobol::new(7, 3);
+        for d in 0..4 {
+            let mut seen = [false; 256];
+            for i in 0..256 {
+                seen[(set.point(i)[d] * 256.0) as usize] = true;
+            }
+            assert!(
+                seen.iter().all(|&s| s),
+                "dimension {d} misses a 256th of its range"
+            );
+        }
+    }
+
+    #[test]
+    fn first_two_dimensions_form_a_net() {
+        let set = ScrambledSobol::new(1, 9);
+        let mut seen = [false; 256];
+        for i in 0..256 {
+            let [x, y] = set.point2(i);
+            seen[(x * 16.0) as usize * 16 + (y * 16.0) as usize] = true;
+        }
+        assert!(seen.iter().all(|&s| s), "a 16 x 16 cell has no point");
+    }
+
+    #[test]
+    fn sets_differ_and_average_to_one_half() {
+        let mean = |set: u32| {
+            let points = ScrambledSobol::new(5, set);
+            (0..1024)
+                .map(|i| f64::from(points.point(i)[3]))
+                .sum::<f64>()
+                / 1024.0
+        };
+        assert!((mean(0) - 0.5).abs() < 1e-3);
+        assert_ne!(
+            ScrambledSobol::new(5, 0).point(17),
+            ScrambledSobol::new(5, 1).point(17)
+        );
+    }
+}

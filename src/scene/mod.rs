@@ -1,0 +1,103 @@
+//! What the user wrote: the OBJ mesh with its MTL materials, and the TOML
+//! scene file with lights, camera and settings.
+//!
+//! Comes in: paths. Goes out: [`Scene`], checked, in the units of the file and
+//! in double precision, with a [`Placement`] that says how the later stages
+//! see it. The only room that names `tobj` and `toml`.
+
+mod camera;
+mod light;
+mod material;
+mod mesh;
+mod placement;
+
+use glam::Vec3;
+
+pub use camera::Camera;
+pub(crate) use camera::PlacedCamera;
+pub use light::{Area, Directional, Environment, Light, LightKind, Point, Radiance, Spot};
+pub(crate) use light::{LightSample, PlacedLight};
+pub use material::Material;
+pub use mesh::{Mesh, MeshTriangle};
+pub(crate) use placement::Placement;
+
+/// A scene as the user described it.
+#[derive(Debug, Clone)]
+pub struct Scene {
+    /// Triangles and normals, units of the file.
+    pub mesh: Mesh,
+    /// Materials; the index is [`MeshTriangle::material`].
+    pub materials: Vec<Material>,
+    /// Lights in the order of the file.
+    pub lights: Vec<Light>,
+    /// The camera.
+    pub camera: Camera,
+    /// `[render]`.
+    pub render: RenderKeys,
+    /// `[bake]`.
+    pub bake: BakeKeys,
+    /// What was dropped, clamped or is not rendered yet: one sentence a kind.
+    pub warnings: Vec<String>,
+}
+
+/// Number of indirect bounces after the direct light.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Bounces {
+    /// Exactly this many.
+    Count(u32),
+    /// Until the remainder is below 1e-5 of the total.
+    All,
+}
+
+/// Tone curve from exposed radiance to display values.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Tone {
+    /// Clip to 0..1.
+    Srgb,
+    /// ACES as fitted by Narkowicz.
+    Filmic,
+}
+
+/// `[render]`: settings of a frame.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RenderKeys {
+    /// Indirect bounces; 4 by default.
+    pub bounces: Bounces,
+    /// EV; radiance x 2^EV before the tone curve.
+    pub exposure: f32,
+    /// Tone curve of 8-bit output.
+    pub tone: Tone,
+    /// Shadow rays an area light and pixel.
+    pub light_samples: u32,
+}
+
+/// `[bake]`: settings of the precomputation; `None` where the key is absent.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct BakeKeys {
+    /// Relative error of indirect light to reach.
+    pub error: Option<f64>,
+    /// Longest edge that is left undivided, scene units.
+    pub max_edge: Option<f64>,
+    /// Most lighting vertices that tessellation may make.
+    pub vertices: Option<u32>,
+    /// Rays a lighting vertex.
+    pub rays: Option<u32>,
+    /// Basis functions in all.
+    pub functions: Option<u32>,
+    /// Coefficients a vertex in the mean, near field included.
+    pub coefficients: Option<u32>,
+    /// `fixed_albedo`: all bounces folded into one operator.
+    pub fixed_albedo: bool,
+}
+
+/// Largest component of an RGB triple.
+pub(crate) fn max_component(rgb: Vec3) -> f32 {
+    let mut largest = rgb.x;
+    if rgb.y > largest {
+        largest = rgb.y;
+    }
+    if rgb.z > largest {
+        largest = rgb.z;
+    }
+    largest
+}
