@@ -1,4 +1,81 @@
-//! relume relights scenes on a CPU.
+//! relume relights scenes on a CPU: it precomputes how diffuse light travels
+//! between the surfaces of an OBJ scene and then renders multi-bounce indirect
+//! light for any light, albedo and view in milliseconds.
+//!
+//! The way of the data, one room a stage; a room imports only from rooms above
+//! it in this list:
+//!
+//! | room | what it does |
+//! |---|---|
+//! | `simd` | kernels with a scalar definition each; the only `unsafe` |
+//! | `maths` | elementary functions and sampling points, the same bits everywhere |
+//! | `scene` | what the user wrote: OBJ/MTL, TOML, lights, materials, camera |
+//! | `frame` | linear images, tone curves, comparison |
+//! | `surface` | tessellation, lighting vertices, sides, rays |
+//! | `bake` | partitions, spectral basis, sampled transfer, compressed rows, bake file |
+//! | `relight` | direct light, bounces, rasterizer, shading |
+//! | `reference` | path tracer: the truth that everything is measured against |
+//! | `output` | PNG and EXR files |
+//!
+//! ```no_run
+//! use relume::{FrameSettings, Renderer, RunSettings, Scene};
+//!
+//! let scene = Scene::load("scenes/cornell/cornell.toml".as_ref(), &[])?;
+//! let settings = FrameSettings::of_scene(&scene);
+//! let mut renderer = Renderer::new(scene, None);
+//! let frame = renderer.frame(&settings, &RunSettings::silent())?;
+//! println!("{} x {}", frame.image.width(), frame.image.height());
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
+mod bake;
+mod frame;
 mod maths;
+mod output;
+pub mod reference;
+mod relight;
 mod scene;
+mod simd;
+mod surface;
+
+pub use bake::{BakeError, BakeSettings, BakeStats, Progress, RunSettings, Silent};
+pub use frame::{
+    Difference, EncodedImage, Image, ImageSizeError, SizeMismatch, compare, count_beyond,
+};
+pub use output::{LoadedImage, OutputError, Picture, check_format, read_image, write_picture};
+pub use relight::{
+    BakeFigures, BounceError, COMPONENTS, Component, Frame, FrameSettings, RenderError, Renderer,
+    SceneFigures, Stages, develop,
+};
+pub use scene::{
+    Animation, Area, BakeKeys, Bounces, Camera, Directional, Environment, GoldenKeys, Light,
+    LightKind, Material, Mesh, MeshTriangle, Override, PixelLimit, Point, Radiance, RenderKeys,
+    Scene, SceneError, Spot, TextureFilter, Tone,
+};
+pub use simd::Level as SimdLevel;
+
+/// A pool of so many threads (0: one a processor) in which jobs can be run;
+/// the number changes no bit of any result.
+///
+/// # Errors
+/// If the system cannot start so many threads.
+pub fn thread_pool(threads: usize) -> Result<ThreadPool, ThreadPoolError> {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+    pool.map(ThreadPool)
+        .map_err(|error| ThreadPoolError(error.to_string()))
+}
+
+/// Threads that jobs can be run on.
+pub struct ThreadPool(rayon::ThreadPool);
+
+impl ThreadPool {
+    /// Runs a job on the pool's threads.
+    pub fn install<T: Send>(&self, job: impl FnOnce() -> T + Send) -> T {
+        self.0.install(job)
+    }
+}
+
+/// The system cannot start the threads.
+#[derive(Debug, thiserror::Error)]
+#[error("{0}")]
+pub struct ThreadPoolError(String);

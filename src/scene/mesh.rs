@@ -15,6 +15,32 @@ pub struct Mesh {
     pub triangles: Vec<MeshTriangle>,
 }
 
+impl Mesh {
+    /// Lowest and highest corner of the box around all triangles; positions
+    /// that no triangle uses do not count. Zeros for a mesh without triangles.
+    pub fn bounds(&self) -> (DVec3, DVec3) {
+        let corners = self.triangles.iter().flat_map(|t| t.corners);
+        let mut positions = corners.map(|corner| self.positions[corner as usize]);
+        let Some(first) = positions.next() else {
+            return (DVec3::ZERO, DVec3::ZERO);
+        };
+        let (mut lower, mut upper) = (first, first);
+        for position in positions {
+            for axis in 0..3 {
+                // Written out, since min and max of two zeros differ between
+                // machines.
+                if position[axis] < lower[axis] {
+                    lower[axis] = position[axis];
+                }
+                if position[axis] > upper[axis] {
+                    upper[axis] = position[axis];
+                }
+            }
+        }
+        (lower, upper)
+    }
+}
+
 /// One triangle: counter-clockwise seen from its front.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct MeshTriangle {

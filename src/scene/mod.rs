@@ -5,16 +5,29 @@
 //! in double precision, with a [`Placement`] that says how the later stages
 //! see it. The only room that names `tobj` and `toml`.
 
+mod animation;
 mod camera;
+mod error;
+mod file;
+mod golden;
 mod light;
+mod load;
 mod material;
 mod mesh;
+mod obj;
+mod place;
 mod placement;
+mod text;
 
 use glam::Vec3;
 
+pub use animation::Animation;
+
 pub use camera::Camera;
 pub(crate) use camera::PlacedCamera;
+pub use error::SceneError;
+pub use file::Override;
+pub use golden::{GoldenKeys, PixelLimit};
 pub use light::{Area, Directional, Environment, Light, LightKind, Point, Radiance, Spot};
 pub(crate) use light::{LightSample, PlacedLight};
 pub use material::Material;
@@ -30,14 +43,41 @@ pub struct Scene {
     pub materials: Vec<Material>,
     /// Lights in the order of the file.
     pub lights: Vec<Light>,
+    /// How textures are read between texel centres.
+    pub texture_filter: TextureFilter,
     /// The camera.
     pub camera: Camera,
     /// `[render]`.
     pub render: RenderKeys,
     /// `[bake]`.
     pub bake: BakeKeys,
+    /// `[[animate]]`, in the order of the file.
+    pub animations: Vec<Animation>,
+    /// `[golden]`.
+    pub golden: GoldenKeys,
     /// What was dropped, clamped or is not rendered yet: one sentence a kind.
     pub warnings: Vec<String>,
+}
+
+/// Where shading normals come from: `normals`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Normals {
+    /// `vn` where all corners of a face have one, else flat.
+    File,
+    /// The face's own normal.
+    Flat,
+    /// Area-weighted over equal positions within one material.
+    Smooth,
+}
+
+/// How a texture is read between texel centres.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum TextureFilter {
+    /// Linear between the four nearest texels.
+    #[default]
+    Bilinear,
+    /// The texel that holds the point.
+    Nearest,
 }
 
 /// Number of indirect bounces after the direct light.
@@ -69,6 +109,17 @@ pub struct RenderKeys {
     pub tone: Tone,
     /// Shadow rays an area light and pixel.
     pub light_samples: u32,
+}
+
+impl Default for RenderKeys {
+    fn default() -> Self {
+        Self {
+            bounces: Bounces::Count(4),
+            exposure: 0.0,
+            tone: Tone::Srgb,
+            light_samples: 16,
+        }
+    }
 }
 
 /// `[bake]`: settings of the precomputation; `None` where the key is absent.

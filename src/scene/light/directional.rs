@@ -3,6 +3,11 @@
 use glam::Vec3;
 
 use super::LightSample;
+use crate::scene::SceneError;
+use crate::scene::file::fields::Fields;
+
+/// Keys besides `name` and `kind`.
+pub(super) const KEYS: &[&str] = &["direction", "irradiance"];
 
 /// `kind = "directional"`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -18,6 +23,15 @@ pub struct Directional {
 pub(crate) struct PlacedDirectional(Directional);
 
 impl Directional {
+    pub(super) fn read(fields: &mut Fields) -> Result<Self, SceneError> {
+        let direction = fields.require("direction", "the direction of travel")?;
+        let irradiance = fields.require("irradiance", "[r, g, b], W/m2")?;
+        Ok(Self {
+            direction: direction.direction()?.as_vec3(),
+            irradiance: irradiance.light()?,
+        })
+    }
+
     pub(super) fn place(&self) -> PlacedDirectional {
         PlacedDirectional(*self)
     }

@@ -1,9 +1,18 @@
 //! Environment: light from infinitely far away. Parsed and checked; not
 //! rendered yet.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use glam::Vec3;
+
+use crate::scene::SceneError;
+use crate::scene::file::fields::{Fields, Item, LARGEST};
+
+/// Keys besides `name` and `kind`.
+pub(super) const KEYS: &[&str] = &["radiance", "map", "scale", "rotation"];
+
+/// Endings of the image formats that hold radiance.
+const MAP_FORMATS: [&str; 2] = ["exr", "hdr"];
 
 /// `kind = "environment"`.
 #[derive(Debug, Clone, PartialEq)]
@@ -23,4 +32,37 @@ pub enum Radiance {
     Constant(Vec3),
     /// A latitude-longitude image, resolved against the scene file's folder.
     Map(PathBuf),
+}
+
+impl Environment {
+    /// `folder` is where relative paths start.
+    pub(super) fn read(fields: &mut Fields, folder: &Path) -> Result<Self, SceneError> {
+        let source = fields.one_of("radiance", "map")?;
+        let radiance = if source.key() == "map" {
+            Radiance::Map(map_path(&source, folder)?)
+        } else {
+            Radiance::Constant(source.light()?)
+        };
+        let scale = fields
+            .take("scale")
+            .map_or(Ok(1.0), |item| item.number(0.0..=LARGEST, "from 0 to 1e30"))?;
+        let rotation_deg = fields.take("rotation").map_or(Ok(0.0), |item| {
+            item.number(-LARGEST..=LARGEST, "of degrees")
+        })?;
+        Ok(Self {
+            radiance,
+            scale: scale as f32,
+            rotation_deg: rotation_deg as f32,
+        })
+    }
+}
+
+fn map_path(item: &Item, folder: &Path) -> Result<PathBuf, SceneError> {
+    let path = folder.join(item.name()?);
+    let ending = path.extension().unwrap_or_default().to_ascii_lowercase();
+    if MAP_FORMATS.iter().any(|format| ending == *format) {
+        Ok(path)
+    } else {
+        Err(item.error("the path of an .exr or .hdr file"))
+    }
 }

@@ -7,6 +7,8 @@ mod environment;
 mod point;
 mod spot;
 
+use std::path::Path;
+
 use glam::Vec3;
 
 pub use area::Area;
@@ -15,7 +17,45 @@ pub use environment::{Environment, Radiance};
 pub use point::Point;
 pub use spot::Spot;
 
-use super::Placement;
+use super::file::fields::Fields;
+use super::{Placement, SceneError};
+
+/// How a kind is read from its table; paths start at the folder.
+type Reader = fn(&mut Fields, &Path) -> Result<LightKind, SceneError>;
+
+/// The kinds of the scene file: name, keys besides `name` and `kind`, reader.
+const KINDS: [(&str, (&[&str], Reader)); 5] = [
+    (
+        "point",
+        (point::KEYS, |fields, _| {
+            Point::read(fields).map(LightKind::Point)
+        }),
+    ),
+    (
+        "spot",
+        (spot::KEYS, |fields, _| {
+            Spot::read(fields).map(LightKind::Spot)
+        }),
+    ),
+    (
+        "directional",
+        (directional::KEYS, |fields, _| {
+            Directional::read(fields).map(LightKind::Directional)
+        }),
+    ),
+    (
+        "area",
+        (area::KEYS, |fields, _| {
+            Area::read(fields).map(LightKind::Area)
+        }),
+    ),
+    (
+        "environment",
+        (environment::KEYS, |fields, folder| {
+            Environment::read(fields, folder).map(LightKind::Environment)
+        }),
+    ),
+];
 
 /// A named light.
 #[derive(Debug, Clone, PartialEq)]
@@ -61,6 +101,25 @@ pub(crate) struct LightSample {
 }
 
 impl Light {
+    /// Reads a light whose `name` has been taken from the table already.
+    pub(super) fn read(
+        name: String,
+        mut fields: Fields,
+        folder: &Path,
+    ) -> Result<Self, SceneError> {
+        fields.rename(format!("light {name:?}"));
+        let kind_item = fields.require("kind", "point, spot, directional, area or environment")?;
+        let (keys, read) = kind_item.choice(&KINDS)?;
+        let kind_name = kind_item.string()?;
+        fields.rename(format!("light {name:?} ({kind_name})"));
+        let allowed: Vec<&str> = ["name", "kind"].iter().chain(keys).copied().collect();
+        fields.allow(&allowed)?;
+        Ok(Self {
+            name,
+            kind: read(&mut fields, folder)?,
+        })
+    }
+
     /// The light in placed units, or `None` for a kind that is not rendered yet.
     pub(crate) fn place(&self, placement: &Placement) -> Option<PlacedLight> {
         match &self.kind {
@@ -73,6 +132,31 @@ impl Light {
 }
 
 impl PlacedLight {
+    /// A point light of unit intensity (W/sr in placed units) at a placed position.
+    pub(crate) fn unit_point(position: Vec3) -> Self {
+        Self::Point(point::PlacedPoint {
+            position,
+            intensity: Vec3::ONE,
+        })
+    }
+
+    /// A spot of unit intensity at a placed position, full inside half its
+    /// half angle.
+    pub(crate) fn unit_spot(position: Vec3, axis: Vec3, cutoff_deg: f32) -> Self {
+        Self::Spot(spot::PlacedSpot::unit(position, axis, cutoff_deg))
+    }
+
+    /// A directional light of unit irradiance; `direction` of travel is a unit vector.
+    pub(crate) fn unit_directional(direction: Vec3) -> Self {
+        Self::Directional(
+            Directional {
+                direction,
+                irradiance: Vec3::ONE,
+            }
+            .place(),
+        )
+    }
+
     /// What arrives at `point` (placed units) if nothing is in the way.
     pub(crate) fn sample(&self, point: Vec3) -> LightSample {
         match self {

@@ -3,7 +3,11 @@
 use glam::{DVec3, Vec3};
 
 use super::LightSample;
-use crate::scene::Placement;
+use crate::scene::file::fields::Fields;
+use crate::scene::{Placement, SceneError};
+
+/// Keys besides `name` and `kind`.
+pub(super) const KEYS: &[&str] = &["position", "intensity"];
 
 /// `kind = "point"`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -22,6 +26,13 @@ pub(crate) struct PlacedPoint {
 }
 
 impl Point {
+    pub(super) fn read(fields: &mut Fields) -> Result<Self, SceneError> {
+        Ok(Self {
+            position: fields.require("position", "[x, y, z]")?.vector()?,
+            intensity: fields.require("intensity", "[r, g, b], W/sr")?.light()?,
+        })
+    }
+
     pub(super) fn place(&self, placement: &Placement) -> PlacedPoint {
         PlacedPoint {
             position: placement.placed_from_file(self.position),

@@ -1,12 +1,31 @@
 //! Spot light: a point light inside a cone, full inside `beam`, falling
 //! linearly with the angle to 0 at `cutoff`.
 
+use std::ops::Bound::{Excluded, Included};
+
 use glam::{DVec3, Vec3};
 
 use super::LightSample;
 use super::point::{PlacedPoint, placed_intensity};
 use crate::maths::functions::acos_f32;
-use crate::scene::Placement;
+use crate::scene::file::fields::{Fields, unit};
+use crate::scene::{Placement, SceneError};
+
+/// Keys besides `name` and `kind`.
+pub(super) const KEYS: &[&str] = &[
+    "position",
+    "target",
+    "direction",
+    "intensity",
+    "cutoff",
+    "beam",
+];
+
+/// Half angle of the cone where the file gives none, degrees.
+const DEFAULT_CUTOFF_DEG: f64 = 30.0;
+
+/// Share of the cutoff that the beam takes where the file gives no beam.
+const DEFAULT_BEAM_SHARE: f64 = 0.75;
 
 /// `kind = "spot"`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -33,8 +52,36 @@ pub(crate) struct PlacedSpot {
 }
 
 impl Spot {
+    pub(super) fn read(fields: &mut Fields) -> Result<Self, SceneError> {
+        let position = fields.require("position", "[x, y, z]")?.vector()?;
+        let direction = axis(fields, position)?;
+        let intensity = fields.require("intensity", "[r, g, b], W/sr")?.light()?;
+        let cutoff_deg = fields
+            .take("cutoff")
+            .map_or(Ok(DEFAULT_CUTOFF_DEG), |item| {
+                item.number(
+                    (Excluded(0.0), Included(90.0)),
+                    "above 0 and at most 90 (degrees, half angle)",
+                )
+            })?;
+        let beam_deg = fields
+            .take("beam")
+            .map_or(Ok(DEFAULT_BEAM_SHARE * cutoff_deg), |item| {
+                item.number(
+                    0.0..=cutoff_deg,
+                    &format!("from 0 to `cutoff`, {cutoff_deg} (degrees, half angle)"),
+                )
+            })?;
+        Ok(Self {
+            position,
+            direction: direction.as_vec3(),
+            intensity,
+            cutoff_deg: cutoff_deg as f32,
+            beam_deg: beam_deg as f32,
+        })
+    }
+
     pub(super) fn place(&self, placement: &Placement) -> PlacedSpot {
-        let radians = |deg: f32| (f64::from(deg) * (std::f64::consts::PI / 180.0)) as f32;
         PlacedSpot {
             source: PlacedPoint {
                 position: placement.placed_from_file(self.position),
@@ -47,7 +94,34 @@ impl Spot {
     }
 }
 
+/// Unit direction of travel, from `direction` or `target`.
+fn axis(fields: &mut Fields, position: DVec3) -> Result<DVec3, SceneError> {
+    let item = fields.one_of("target", "direction")?;
+    if item.key() == "direction" {
+        return item.direction();
+    }
+    unit(item.vector()? - position)
+        .ok_or_else(|| item.error("another point than the light's position"))
+}
+
+/// Radians of degrees, rounded once.
+fn radians(deg: f32) -> f32 {
+    (f64::from(deg) * (std::f64::consts::PI / 180.0)) as f32
+}
+
 impl PlacedSpot {
+    pub(super) fn unit(position: Vec3, axis: Vec3, cutoff_deg: f32) -> Self {
+        Self {
+            source: PlacedPoint {
+                position,
+                intensity: Vec3::ONE,
+            },
+            axis,
+            cutoff_rad: radians(cutoff_deg),
+            beam_rad: radians(0.5 * cutoff_deg),
+        }
+    }
+
     pub(super) fn sample(&self, point: Vec3) -> LightSample {
         let mut sample = self.source.sample(point);
         sample.irradiance *= self.falloff(self.angle(-sample.direction));

@@ -1,0 +1,131 @@
+use super::super::partition::{PartitionSettings, partition};
+use super::super::sample_graphs;
+use super::*;
+
+/// Largest deviation of a constant from its projection onto the basis.
+const CONSTANT_ERROR: f32 = 1e-5;
+
+fn parts_of(graph: &VertexGraph, vertices_per_part: u32) -> Partition {
+    let weights = vec![1; graph.vertex_count()];
+    let settings = PartitionSettings {
+        vertices_per_part,
+        ..PartitionSettings::default()
+    };
+    partition(graph, &weights, settings)
+}
+
+fn basis_of(graph: &VertexGraph, vertices_per_part: u32, functions: u32) -> Basis {
+    let partition = parts_of(graph, vertices_per_part);
+    let wanted = vec![functions; partition.part_count()];
+    Basis::build(graph, &partition, &wanted, &|| {}, &|| false).unwrap()
+}
+
+/// S b at every vertex, for scalar coefficients.
+fn reconstruct(basis: &Basis, coefficients: &[f32]) -> Vec<f32> {
+    let mut values = vec![0.0; basis.slot_count()];
+    for (slot, &vertex) in basis.vertex_of_slot().iter().enumerate() {
+        let (part, row) = basis.row(slot as u32);
+        let own = &coefficients[basis.function_range(part)];
+        values[vertex as usize] = row.iter().zip(own).map(|(s, b)| s * b).sum();
+    }
+    values
+}
+
+fn in_pool<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build()
+        .unwrap()
+        .install(work)
+}
+
+#[test]
+fn constant_light_is_reproduced_on_every_part() {
+    let graphs = [
+        sample_graphs::boxes(200),
+        sample_graphs::triangle_grid(40, 40),
+        sample_graphs::grid_with_hole(45),
+        sample_graphs::star(300),
+        VertexGraph::from_edges(4, &[(0, 1, 1)]).unwrap(),
+    ];
+    for graph in graphs {
+        let basis = basis_of(&graph, 400, 12);
+        for value in reconstruct(&basis, &basis.constant(Level::Scalar)) {
+            assert!((value - 1.0).abs() <= CONSTANT_ERROR, "{value}");
+        }
+    }
+}
+
+#[test]
+fn functions_are_orthonormal_after_rounding() {
+    let basis = basis_of(&sample_graphs::triangle_grid(50, 40), 500, 20);
+    for &part in &basis.parts {
+        let count = part.function_count;
+        for j in 0..count {
+            for k in 0..=j {
+                let rows = basis.part_values(part).chunks_exact(count);
+                let product: f64 = rows.map(|row| f64::from(row[j]) * f64::from(row[k])).sum();
+                let unit = if j == k { 1.0 } else { 0.0 };
+                assert!((product - unit).abs() < 1e-6, "{j} {k}: {product}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_function_projects_onto_itself() {
+    let basis = basis_of(&sample_graphs::triangle_grid(30, 20), 300, 8);
+    let mut values = vec![[0.0; 3]; basis.slot_count()];
+    for slot in basis.slot_range(1) {
+        let function = basis.row(slot as u32).1[3];
+        values[slot] = [function, 2.0 * function, 0.0];
+    }
+    let wanted = basis.function_range(1).start + 3;
+    for (k, coefficient) in basis.project_rgb(Level::Scalar, &values).iter().enumerate() {
+        let unit = if k == wanted { 1.0 } else { 0.0 };
+        for (found, wanted) in coefficient.iter().zip([unit, 2.0 * unit, 0.0]) {
+            assert!((found - wanted).abs() < 1e-5, "{k}: {found}");
+        }
+    }
+}
+
+#[test]
+fn the_number_of_threads_changes_no_bit() {
+    let graph = sample_graphs::grid_with_hole(60);
+    let build = || basis_of(&graph, 300, 16);
+    let (one, three) = (in_pool(1, build), in_pool(3, build));
+    let hash = |basis: &Basis| {
+        let mut hasher = blake3::Hasher::new();
+        for value in &basis.values {
+            hasher.update(&value.to_le_bytes());
+        }
+        hasher.finalize().to_hex().to_string()
+    };
+    assert_eq!(hash(&one), hash(&three));
+    // The bits of development and release builds alike, on every machine.
+    assert_eq!(&hash(&one)[..16], "f6180b0b73d19001");
+}
+
+#[test]
+fn progress_is_told_and_cancelling_stops() {
+    let graph = sample_graphs::boxes(20);
+    let partition = parts_of(&graph, 100);
+    let told = std::sync::atomic::AtomicUsize::new(0);
+    let count = || {
+        told.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+    };
+    let wanted = vec![2; partition.part_count()];
+    Basis::build(&graph, &partition, &wanted, &count, &|| false).unwrap();
+    assert_eq!(told.into_inner(), 20);
+    let cancelled = Basis::build(&graph, &partition, &wanted, &|| {}, &|| true);
+    assert_eq!(cancelled, Err(BasisError::Cancelled));
+}
+
+#[test]
+fn lists_that_do_not_fit_are_refused() {
+    assert!(Basis::from_lists(vec![0, 1, 2], &[2, 1], &[1, 1], vec![0.5; 3]).is_ok());
+    assert!(Basis::from_lists(vec![0, 1, 1], &[2, 1], &[1, 1], vec![0.5; 3]).is_err());
+    assert!(Basis::from_lists(vec![0, 1, 3], &[2, 1], &[1, 1], vec![0.5; 3]).is_err());
+    assert!(Basis::from_lists(vec![0, 1, 2], &[2, 1], &[1, 2], vec![0.5; 3]).is_err());
+    assert!(Basis::from_lists(vec![0, 1, 2], &[2, 1], &[1, 1], vec![f32::NAN; 3]).is_err());
+}

@@ -1,0 +1,100 @@
+//! The bake from the cache folder, or a new one that goes there.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use super::file::{decode, encode};
+use super::key::BakeKey;
+use super::{Bake, BakeError, BakeSettings, RunSettings, bake};
+use crate::surface::Surface;
+
+/// Where a bake came from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum CacheOutcome {
+    /// From the cache folder.
+    Hit,
+    /// Made anew.
+    Miss,
+}
+
+/// A bake, where it came from, and what the user should know about the cache.
+pub(crate) struct Baked {
+    pub(crate) bake: Bake,
+    pub(crate) outcome: CacheOutcome,
+    /// Bytes of the bake's file.
+    pub(crate) file_bytes: usize,
+    pub(crate) warnings: Vec<String>,
+}
+
+/// Takes the bake of a surface (whose back sides do not exist yet) from the
+/// folder, or makes it and puts it there; then adds the back sides. Without a
+/// folder, nothing is read or written. A file that cannot be used or written
+/// is a warning: the bake itself is never in doubt.
+pub(crate) fn load_or_bake(
+    surface: &mut Surface,
+    settings: &BakeSettings,
+    folder: Option<&Path>,
+    run: &RunSettings,
+) -> Result<Baked, BakeError> {
+    let key = BakeKey::of(surface, settings);
+    let path = folder.map(|folder| folder.join(key.file_name()));
+    let mut warnings = Vec::new();
+    if let Some(path) = &path {
+        match read(path, &key, surface) {
+            Ok(Some((bake, file_bytes))) => {
+                surface.add_backs(bake.backs());
+                return Ok(Baked {
+                    bake,
+                    outcome: CacheOutcome::Hit,
+                    file_bytes,
+                    warnings,
+                });
+            }
+            Ok(None) => {}
+            Err(problem) => warnings.push(format!("{}: {problem}; baking anew", path.display())),
+        }
+    }
+    let bake = bake(surface, settings, run)?;
+    let bytes = encode(&bake, &key);
+    if let Some(path) = &path
+        && let Err(error) = write(path, &bytes)
+    {
+        warnings.push(format!(
+            "{}: the bake could not be stored ({error}); it will be made again next time",
+            path.display()
+        ));
+    }
+    Ok(Baked {
+        bake,
+        outcome: CacheOutcome::Miss,
+        file_bytes: bytes.len(),
+        warnings,
+    })
+}
+
+/// The bake at a path; `None` where there is no file.
+fn read(path: &PathBuf, key: &BakeKey, surface: &Surface) -> Result<Option<(Bake, usize)>, String> {
+    let bytes = match std::fs::read(path) {
+        Ok(bytes) => bytes,
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(None),
+        Err(error) => return Err(format!("the stored bake could not be read ({error})")),
+    };
+    let bake =
+        decode(&bytes, key).map_err(|error| format!("the stored bake cannot be used: {error}"))?;
+    if bake.backs().len() != surface.vertices.front_count() {
+        return Err("the stored bake cannot be used: it is of another mesh".to_owned());
+    }
+    Ok(Some((bake, bytes.len())))
+}
+
+/// Writes beside the target and renames, so that no half file is ever seen.
+fn write(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
+    let folder = path.parent().unwrap_or(Path::new("."));
+    std::fs::create_dir_all(folder)?;
+    let mut file = tempfile::Builder::new()
+        .prefix(".relume-")
+        .tempfile_in(folder)?;
+    file.write_all(bytes)?;
+    file.persist(path).map_err(|error| error.error)?;
+    Ok(())
+}

@@ -1,0 +1,257 @@
+//! The bake file: one bake, checked when read.
+//!
+//! magic, format version, key, length and checksum of the payload, payload.
+//! The payload is a fixed sequence of lists of little-endian numbers, each
+//! behind its length; a later version appends lists (the low-rank remainder of
+//! the design) and raises the version.
+
+use thiserror::Error;
+
+use super::basis::Basis;
+use super::key::BakeKey;
+use super::rows::{Indices, Rows};
+use super::{Bake, BakeStats};
+
+const MAGIC: &[u8; 8] = b"relume\x1ab";
+const FORMAT_VERSION: u32 = 1;
+/// Bytes before the payload: magic, version, key, length, checksum.
+const HEADER: usize = 8 + 4 + 32 + 8 + 32;
+
+/// Why a file is not the bake that was looked for.
+#[derive(Debug, Error, PartialEq, Eq)]
+pub(super) enum FileError {
+    #[error("it is not a bake file")]
+    Foreign,
+    #[error("it has format version {0}, this program writes {FORMAT_VERSION}")]
+    OtherVersion(u32),
+    #[error("it belongs to another scene or other settings")]
+    OtherKey,
+    #[error("it is cut short or damaged")]
+    Damaged,
+    #[error("its contents do not fit together: {0}")]
+    Inconsistent(&'static str),
+}
+
+/// The bytes of a bake's file.
+pub(super) fn encode(bake: &Bake, key: &BakeKey) -> Vec<u8> {
+    let payload = encode_payload(bake);
+    let mut bytes = Vec::with_capacity(HEADER + payload.len());
+    bytes.extend_from_slice(MAGIC);
+    bytes.extend_from_slice(&FORMAT_VERSION.to_le_bytes());
+    bytes.extend_from_slice(key.bytes());
+    bytes.extend_from_slice(&(payload.len() as u64).to_le_bytes());
+    bytes.extend_from_slice(blake3::hash(&payload).as_bytes());
+    bytes.extend_from_slice(&payload);
+    bytes
+}
+
+/// The bake in a file's bytes, if it is whole and the one with the key.
+pub(super) fn decode(bytes: &[u8], key: &BakeKey) -> Result<Bake, FileError> {
+    if bytes.get(..8) != Some(MAGIC.as_slice()) {
+        return Err(FileError::Foreign);
+    }
+    let header = bytes.get(..HEADER).ok_or(FileError::Damaged)?;
+    let version = u32::from_le_bytes(array(&header[8..12]));
+    if version != FORMAT_VERSION {
+        return Err(FileError::OtherVersion(version));
+    }
+    if BakeKey::from_bytes(array(&header[12..44])) != *key {
+        return Err(FileError::OtherKey);
+    }
+    let payload = &bytes[HEADER..];
+    let length = u64::from_le_bytes(array(&header[44..52]));
+    if length != payload.len() as u64 || blake3::hash(payload).as_bytes() != &header[52..84] {
+        return Err(FileError::Damaged);
+    }
+    decode_payload(payload)
+}
+
+fn array<const N: usize>(bytes: &[u8]) -> [u8; N] {
+    bytes.try_into().expect("the slice has the array's length")
+}
+
+fn encode_payload(bake: &Bake) -> Vec<u8> {
+    let mut out = Writer::default();
+    let stats = &bake.stats;
+    out.list(&[stats.rays]);
+    out.list(&[stats.threshold]);
+    out.list(&[
+        stats.arrived_share,
+        stats.escaped_share,
+        stats.senders_per_group,
+    ]);
+    out.list(&bake.backs.iter().map(|&b| u8::from(b)).collect::<Vec<_>>());
+
+    let basis = bake.basis.lists();
+    out.list(basis.vertex_of_slot);
+    out.list(&basis.slot_counts);
+    out.list(&basis.function_counts);
+    out.list(basis.values);
+
+    let rows = &bake.rows;
+    out.list(&rows.near_offsets);
+    out.indices(&rows.near);
+    out.list(rows.near_weights.as_flattened());
+    out.list(rows.near_steps.as_flattened());
+    out.list(&rows.basis_offsets);
+    out.list(&rows.coarse);
+    out.indices(&rows.functions);
+    out.list(rows.coefficients.as_flattened());
+    out.list(rows.basis_steps.as_flattened());
+    out.list(
+        &rows
+            .receivers
+            .iter()
+            .flat_map(|&(first, count)| [first, count])
+            .collect::<Vec<u32>>(),
+    );
+    out.bytes
+}
+
+fn decode_payload(payload: &[u8]) -> Result<Bake, FileError> {
+    let mut input = Reader { rest: payload };
+    let rays = *input.list::<u32>()?.first().ok_or(FileError::Damaged)?;
+    let threshold = *input.list::<f32>()?.first().ok_or(FileError::Damaged)?;
+    let shares = input.list::<f64>()?;
+    let &[arrived_share, escaped_share, senders_per_group] = shares.as_slice() else {
+        return Err(FileError::Damaged);
+    };
+    let stats = BakeStats {
+        rays,
+        threshold,
+        arrived_share,
+        escaped_share,
+        senders_per_group,
+    };
+    let backs: Vec<bool> = input.list::<u8>()?.into_iter().map(|b| b != 0).collect();
+
+    let (members, sizes, counts) = (
+        input.list::<u32>()?,
+        input.list::<u32>()?,
+        input.list::<u32>()?,
+    );
+    let basis = Basis::from_lists(members, &sizes, &counts, input.list::<f32>()?)
+        .map_err(FileError::Inconsistent)?;
+    let back_count = backs.iter().filter(|&&b| b).count();
+    if backs.len() + back_count != basis.slot_count() {
+        return Err(FileError::Inconsistent(
+            "sides and vertices of unequal number",
+        ));
+    }
+
+    let rows = Rows {
+        slot_count: basis.slot_count(),
+        function_count: basis.function_count(),
+        near_offsets: input.list()?,
+        near: input.indices()?,
+        near_weights: input.groups()?,
+        near_steps: input.groups()?,
+        basis_offsets: input.list()?,
+        coarse: input.list()?,
+        functions: input.indices()?,
+        coefficients: input.groups()?,
+        basis_steps: input.groups()?,
+        receivers: input
+            .list::<u32>()?
+            .chunks_exact(2)
+            .map(|pair| (pair[0], pair[1]))
+            .collect(),
+    };
+    rows.check().map_err(FileError::Inconsistent)?;
+    if input.rest.is_empty() {
+        Ok(Bake {
+            backs,
+            basis,
+            rows,
+            stats,
+        })
+    } else {
+        Err(FileError::Damaged)
+    }
+}
+
+/// A number that a list can hold.
+trait Number: Copy {
+    const SIZE: usize;
+    fn write(self, out: &mut Vec<u8>);
+    fn read(bytes: &[u8]) -> Self;
+}
+
+macro_rules! number {
+    ($($type:ty),*) => {$(
+        impl Number for $type {
+            const SIZE: usize = size_of::<$type>();
+            fn write(self, out: &mut Vec<u8>) {
+                out.extend_from_slice(&self.to_le_bytes());
+            }
+            fn read(bytes: &[u8]) -> Self {
+                Self::from_le_bytes(array(bytes))
+            }
+        }
+    )*};
+}
+
+number!(u8, i8, u16, u32, f32, f64);
+
+#[derive(Default)]
+struct Writer {
+    bytes: Vec<u8>,
+}
+
+impl Writer {
+    fn list<T: Number>(&mut self, items: &[T]) {
+        self.bytes
+            .extend_from_slice(&(items.len() as u64).to_le_bytes());
+        self.bytes.reserve(items.len() * T::SIZE);
+        items.iter().for_each(|item| item.write(&mut self.bytes));
+    }
+
+    /// Both widths in turn; one of the lists is empty.
+    fn indices(&mut self, indices: &Indices) {
+        match indices {
+            Indices::Narrow(list) => {
+                self.list(list);
+                self.list::<u32>(&[]);
+            }
+            Indices::Wide(list) => {
+                self.list::<u16>(&[]);
+                self.list(list);
+            }
+        }
+    }
+}
+
+struct Reader<'a> {
+    rest: &'a [u8],
+}
+
+impl Reader<'_> {
+    fn list<T: Number>(&mut self) -> Result<Vec<T>, FileError> {
+        let (length, rest) = self.rest.split_at_checked(8).ok_or(FileError::Damaged)?;
+        let length =
+            usize::try_from(u64::from_le_bytes(array(length))).map_err(|_| FileError::Damaged)?;
+        let size = length.checked_mul(T::SIZE).ok_or(FileError::Damaged)?;
+        let (items, rest) = rest.split_at_checked(size).ok_or(FileError::Damaged)?;
+        self.rest = rest;
+        Ok(items.chunks_exact(T::SIZE).map(T::read).collect())
+    }
+
+    fn groups<T: Number, const N: usize>(&mut self) -> Result<Vec<[T; N]>, FileError> {
+        let flat = self.list::<T>()?;
+        let (groups, rest) = flat.as_chunks::<N>();
+        if rest.is_empty() {
+            Ok(groups.to_vec())
+        } else {
+            Err(FileError::Damaged)
+        }
+    }
+
+    fn indices(&mut self) -> Result<Indices, FileError> {
+        let (narrow, wide) = (self.list::<u16>()?, self.list::<u32>()?);
+        Ok(if wide.is_empty() {
+            Indices::Narrow(narrow)
+        } else {
+            Indices::Wide(wide)
+        })
+    }
+}

@@ -1,0 +1,65 @@
+//! The key of a bake: a hash of what the bake reads, and only of that.
+
+use super::BakeSettings;
+use crate::surface::Surface;
+
+/// Changes whenever the same input gives another bake or the file another form.
+pub(super) const ALGORITHM_VERSION: u32 = 1;
+
+/// Content key of a bake.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct BakeKey([u8; 32]);
+
+impl BakeKey {
+    /// Key of a surface's fronts (positions, normals, normal groups, material
+    /// borders) under settings. Albedo, lights and camera are not in it; sides
+    /// follow from the geometry.
+    pub(crate) fn of(surface: &Surface, settings: &BakeSettings) -> Self {
+        let mut hash = blake3::Hasher::new();
+        let mut words = |list: &[u32]| {
+            for word in list {
+                hash.update(&word.to_le_bytes());
+            }
+        };
+        let functions = settings.functions.map_or([0, 0], |f| [1, f]);
+        words(&[
+            ALGORITHM_VERSION,
+            settings.rays,
+            settings.coefficients,
+            settings.vertices_per_part,
+        ]);
+        words(&functions);
+        words(&[
+            surface.mesh.positions.len() as u32,
+            surface.mesh.triangles.len() as u32,
+        ]);
+        for position in &surface.mesh.positions {
+            words(&position.to_array().map(f32::to_bits));
+        }
+        for (index, triangle) in surface.mesh.triangles.iter().enumerate() {
+            words(&triangle.corners);
+            words(&surface.vertices.of_triangle(index as u32, true));
+            for normal in triangle.normals {
+                words(&normal.to_array().map(f32::to_bits));
+            }
+        }
+        Self(*hash.finalize().as_bytes())
+    }
+
+    pub(super) fn bytes(&self) -> &[u8; 32] {
+        &self.0
+    }
+
+    pub(super) fn from_bytes(bytes: [u8; 32]) -> Self {
+        Self(bytes)
+    }
+
+    /// Name of the file that holds the bake.
+    pub(crate) fn file_name(&self) -> String {
+        let hex: String = self.0[..16]
+            .iter()
+            .map(|byte| format!("{byte:02x}"))
+            .collect();
+        format!("{hex}.bake")
+    }
+}

@@ -1,0 +1,104 @@
+//! Prior lights: how strongly each basis function is excited by lights in
+//! general. Made by the bake with a seed of its own, never the scene's lights.
+
+use glam::Vec3;
+
+use crate::maths::functions::{exp, ln};
+use crate::maths::hash::uniform;
+use crate::maths::sampling::{pick, sphere_direction};
+use crate::scene::PlacedLight;
+use crate::simd::Level;
+use crate::surface::{Ray, Surface, direct, offset_origin};
+
+/// Numbers of prior lights by kind (some 250; 32 training lights did overfit).
+const POINTS: u32 = 192;
+const SPOTS: u32 = 32;
+const DIRECTIONALS: u32 = 32;
+/// Half angle of the prior spots, degrees.
+const SPOT_CUTOFF_DEG: f32 = 20.0;
+/// Distances of prior lights from the surface, shares of the extent.
+const NEAREST: f64 = 0.02;
+const FARTHEST: f64 = 0.5;
+/// Share of the way to the next surface at which a prior light stays in front
+/// of it.
+const INSIDE_FREE_SPACE: f32 = 0.9;
+/// Seed that chooses; reporting uses another.
+const SEED: u32 = 0x11947;
+
+/// The prior lights of a scene, in a fixed order. The constant light is not
+/// among them: it has no place.
+pub(super) fn lights(surface: &Surface, level: Level) -> Vec<PlacedLight> {
+    let mut cumulative = Vec::with_capacity(surface.vertices.len());
+    let mut total = 0.0;
+    for &area in surface.vertices.areas() {
+        total += area;
+        cumulative.push(total);
+    }
+    if cumulative.is_empty() {
+        return Vec::new();
+    }
+    let number = |light: u32, dimension: u32| uniform(SEED, light, dimension);
+    let direction = |light, dimension| {
+        sphere_direction([number(light, dimension), number(light, dimension + 1)])
+    };
+    let place = |light| free_point(surface, level, &cumulative, light);
+    let points = (0..POINTS).map(|i| PlacedLight::unit_point(place(i)));
+    let spots = (POINTS..POINTS + SPOTS)
+        .map(|i| PlacedLight::unit_spot(place(i), direction(i, 8), SPOT_CUTOFF_DEG));
+    let suns = (POINTS + SPOTS..POINTS + SPOTS + DIRECTIONALS)
+        .map(|i| PlacedLight::unit_directional(direction(i, 8)));
+    points.chain(spots).chain(suns).collect()
+}
+
+/// A random surface point moved along a random direction of its side, by a
+/// log-uniform distance, not through another surface.
+fn free_point(surface: &Surface, level: Level, cumulative_area: &[f32], light: u32) -> Vec3 {
+    let u = |dimension| uniform(SEED, light, dimension);
+    let vertex = pick(cumulative_area, u(0));
+    let from = surface.sample_point(vertex, [u(1), u(2)]);
+    let towards = sphere_direction([u(3), u(4)]);
+    let towards = if towards.dot(from.flat_normal) < 0.0 {
+        -towards
+    } else {
+        towards
+    };
+    let extent = surface.placement.extent * surface.placement.scale;
+    let distance = extent * exp(ln(NEAREST) + f64::from(u(5)) * (ln(FARTHEST) - ln(NEAREST)));
+    let origin = offset_origin(from.position, from.flat_normal, towards);
+    let free = surface.rays.closest(
+        level,
+        &Ray {
+            origin,
+            direction: towards,
+            t_max: f32::INFINITY,
+        },
+    );
+    let reach = free.map_or(f32::INFINITY, |hit| hit.t * INSIDE_FREE_SPACE);
+    let distance = distance as f32;
+    origin + towards * if distance < reach { distance } else { reach }
+}
+
+/// Irradiance of every prior light at the vertices (albedo 1), each scaled to
+/// RMS 1 and handed over one at a time, the constant light last. Lights that
+/// reach nothing are left out. Returns how many were handed over.
+pub(super) fn for_each(surface: &Surface, level: Level, mut take: impl FnMut(&[f32])) -> usize {
+    let mut count = 0;
+    for light in lights(surface, level) {
+        let irradiance = direct::at_vertices_by_one_point(surface, level, &light);
+        let mut brightness: Vec<f32> = irradiance.iter().map(|e| e.x).collect();
+        let squares: f64 = brightness
+            .iter()
+            .map(|&e| f64::from(e) * f64::from(e))
+            .sum();
+        let rms = (squares / brightness.len() as f64).sqrt();
+        if rms > 0.0 {
+            brightness
+                .iter_mut()
+                .for_each(|e| *e = (f64::from(*e) / rms) as f32);
+            take(&brightness);
+            count += 1;
+        }
+    }
+    take(&vec![1.0; surface.vertices.len()]);
+    count + 1
+}

@@ -1,0 +1,284 @@
+//! The compressed transfer operator: rows of eight receivers that share two
+//! lists, near field and basis coefficients.
+//!
+//!   E_i = sum_near w_ij B_j + sum_basis c_ik b_k
+//!
+//! w is u8 with a step a receiver; c is i8 with a step a receiver in two bands
+//! of magnitude: the coarse entries first, then the fine ones, whose step is
+//! [`FINE_BAND`] times smaller.
+
+use super::transfer::GROUP;
+use crate::simd::Level;
+use crate::simd::rows::{GroupSums, dot};
+
+/// Ratio of the steps of the two bands.
+pub(crate) const FINE_BAND: f32 = 16.0;
+
+/// One group's rows before they join the table.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(crate) struct GroupRows {
+    /// Senders (slots) of the near field.
+    pub(crate) near: Vec<u32>,
+    pub(crate) near_weights: Vec<[u8; GROUP]>,
+    pub(crate) near_steps: [f32; GROUP],
+    /// Basis functions, coarse band first.
+    pub(crate) functions: Vec<u32>,
+    pub(crate) coefficients: Vec<[i8; GROUP]>,
+    /// How many of `functions` are in the coarse band.
+    pub(crate) coarse: u32,
+    pub(crate) basis_steps: [f32; GROUP],
+}
+
+/// Positions in a table, 16 bits wide where they suffice.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum Indices {
+    Narrow(Vec<u16>),
+    Wide(Vec<u32>),
+}
+
+impl Indices {
+    fn for_table(len: usize) -> Self {
+        if len <= 1 << 16 {
+            Self::Narrow(Vec::new())
+        } else {
+            Self::Wide(Vec::new())
+        }
+    }
+
+    fn extend(&mut self, more: &[u32]) {
+        match self {
+            Self::Narrow(list) => list.extend(more.iter().map(|&i| i as u16)),
+            Self::Wide(list) => list.extend_from_slice(more),
+        }
+    }
+
+    /// Number of entries.
+    pub(crate) fn len(&self) -> usize {
+        match self {
+            Self::Narrow(list) => list.len(),
+            Self::Wide(list) => list.len(),
+        }
+    }
+
+    /// Bytes of all entries.
+    pub(crate) fn bytes(&self) -> usize {
+        match self {
+            Self::Narrow(list) => list.len() * 2,
+            Self::Wide(list) => list.len() * 4,
+        }
+    }
+
+    pub(super) fn largest(&self) -> Option<u32> {
+        match self {
+            Self::Narrow(list) => list.iter().max().map(|&i| u32::from(i)),
+            Self::Wide(list) => list.iter().max().copied(),
+        }
+    }
+}
+
+/// The rows of all groups. Fields are checked against each other when a table
+/// is made, in memory or from a file.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Rows {
+    pub(super) slot_count: usize,
+    pub(super) function_count: usize,
+    /// Entries before each group; one more than there are groups.
+    pub(super) near_offsets: Vec<u32>,
+    pub(super) near: Indices,
+    pub(super) near_weights: Vec<[u8; GROUP]>,
+    pub(super) near_steps: Vec<[f32; GROUP]>,
+    pub(super) basis_offsets: Vec<u32>,
+    pub(super) coarse: Vec<u32>,
+    pub(super) functions: Indices,
+    pub(super) coefficients: Vec<[i8; GROUP]>,
+    pub(super) basis_steps: Vec<[f32; GROUP]>,
+    /// Slots of each group: the first, and how many.
+    pub(super) receivers: Vec<(u32, u32)>,
+}
+
+impl Rows {
+    /// Joins groups in their order; `receivers` names the slots of each.
+    pub(super) fn join(
+        slot_count: usize,
+        function_count: usize,
+        receivers: Vec<(u32, u32)>,
+        groups: &[GroupRows],
+    ) -> Self {
+        let mut rows = Self {
+            slot_count,
+            function_count,
+            near_offsets: vec![0],
+            near: Indices::for_table(slot_count),
+            near_weights: Vec::new(),
+            near_steps: Vec::new(),
+            basis_offsets: vec![0],
+            coarse: Vec::new(),
+            functions: Indices::for_table(function_count),
+            coefficients: Vec::new(),
+            basis_steps: Vec::new(),
+            receivers,
+        };
+        for group in groups {
+            rows.near.extend(&group.near);
+            rows.near_weights.extend_from_slice(&group.near_weights);
+            rows.near_steps.push(group.near_steps);
+            rows.near_offsets.push(rows.near_weights.len() as u32);
+            rows.functions.extend(&group.functions);
+            rows.coefficients.extend_from_slice(&group.coefficients);
+            rows.coarse.push(group.coarse);
+            rows.basis_steps.push(group.basis_steps);
+            rows.basis_offsets.push(rows.coefficients.len() as u32);
+        }
+        rows
+    }
+
+    /// Whether every list fits the others and every index its table, so that
+    /// the kernels never leave a table. Says what does not.
+    pub(super) fn check(&self) -> Result<(), &'static str> {
+        let groups = self.receivers.len();
+        let offsets_fit = |offsets: &[u32], len: usize| {
+            offsets.len() == groups + 1
+                && offsets[0] == 0
+                && offsets.is_sorted()
+                && offsets.last().is_some_and(|&last| last as usize == len)
+        };
+        let lengths = [
+            self.near_steps.len(),
+            self.basis_steps.len(),
+            self.coarse.len(),
+        ];
+        if lengths.iter().any(|&len| len != groups) {
+            return Err("groups of unequal number");
+        }
+        if !offsets_fit(&self.near_offsets, self.near_weights.len())
+            || self.near.len() != self.near_weights.len()
+        {
+            return Err("near field of the wrong length");
+        }
+        if !offsets_fit(&self.basis_offsets, self.coefficients.len())
+            || self.functions.len() != self.coefficients.len()
+        {
+            return Err("coefficients of the wrong length");
+        }
+        if self
+            .near
+            .largest()
+            .is_some_and(|i| i as usize >= self.slot_count)
+            || self
+                .functions
+                .largest()
+                .is_some_and(|i| i as usize >= self.function_count)
+        {
+            return Err("an index beyond its table");
+        }
+        let coarse_fits =
+            |g: usize| self.coarse[g] <= self.basis_offsets[g + 1] - self.basis_offsets[g];
+        if !(0..groups).all(coarse_fits) {
+            return Err("a coarse band longer than its row");
+        }
+        let mut next = 0_u32;
+        for &(first, count) in &self.receivers {
+            if first != next || count == 0 || count as usize > GROUP {
+                return Err("receivers out of order");
+            }
+            next += count;
+        }
+        if next as usize == self.slot_count {
+            Ok(())
+        } else {
+            Err("receivers that do not cover the vertices")
+        }
+    }
+
+    /// Number of groups.
+    pub(crate) fn group_count(&self) -> usize {
+        self.receivers.len()
+    }
+
+    /// First slot of a group, and how many slots it has.
+    pub(crate) fn receivers(&self, group: usize) -> (usize, usize) {
+        let (first, count) = self.receivers[group];
+        (first as usize, count as usize)
+    }
+
+    /// Irradiance of a group's receivers (a channel, then a lane) from the
+    /// radiosity of all slots and the light's basis coefficients.
+    pub(crate) fn gather(
+        &self,
+        level: Level,
+        group: usize,
+        radiosity: &[[f32; 3]],
+        light: &[[f32; 3]],
+    ) -> GroupSums {
+        let near = self.near_offsets[group] as usize..self.near_offsets[group + 1] as usize;
+        let basis = self.basis_offsets[group] as usize..self.basis_offsets[group + 1] as usize;
+        let split = basis.start + self.coarse[group] as usize;
+        let near = gather_list(
+            level,
+            &self.near,
+            near.clone(),
+            &self.near_weights[near],
+            radiosity,
+        );
+        let coarse = basis.start..split;
+        let fine = split..basis.end;
+        let coarse = gather_list(
+            level,
+            &self.functions,
+            coarse.clone(),
+            &self.coefficients[coarse],
+            light,
+        );
+        let fine = gather_list(
+            level,
+            &self.functions,
+            fine.clone(),
+            &self.coefficients[fine],
+            light,
+        );
+        let (near_steps, basis_steps) = (&self.near_steps[group], &self.basis_steps[group]);
+        let mut sums = near;
+        for channel in 0..3 {
+            for lane in 0..GROUP {
+                let smooth = coarse[channel][lane] + fine[channel][lane] * (1.0 / FINE_BAND);
+                sums[channel][lane] =
+                    near[channel][lane] * near_steps[lane] + smooth * basis_steps[lane];
+            }
+        }
+        sums
+    }
+
+    /// Bytes of the operator, all lists and steps.
+    pub(crate) fn bytes(&self) -> usize {
+        self.near.bytes()
+            + self.functions.bytes()
+            + (self.near_weights.len() + self.coefficients.len()) * GROUP
+            + (self.near_steps.len() + self.basis_steps.len()) * GROUP * 4
+            + (self.near_offsets.len() + self.basis_offsets.len() + self.coarse.len()) * 4
+    }
+
+    /// Entries a vertex in the mean, near field included.
+    pub(crate) fn coefficients_per_vertex(&self) -> f64 {
+        let entries: usize = (0..self.group_count())
+            .map(|g| {
+                let near = self.near_offsets[g + 1] - self.near_offsets[g];
+                let basis = self.basis_offsets[g + 1] - self.basis_offsets[g];
+                (near + basis) as usize * self.receivers[g].1 as usize
+            })
+            .sum();
+        entries as f64 / self.slot_count.max(1) as f64
+    }
+}
+
+fn gather_list<Q: crate::simd::rows::Quantised>(
+    level: Level,
+    indices: &Indices,
+    range: std::ops::Range<usize>,
+    weights: &[[Q; GROUP]],
+    table: &[[f32; 3]],
+) -> GroupSums {
+    match indices {
+        Indices::Narrow(list) => dot(level, &list[range], weights, table),
+        Indices::Wide(list) => dot(level, &list[range], weights, table),
+    }
+}

@@ -1,0 +1,45 @@
+//! How a job is run: settings that must not change a bit of its result.
+
+use crate::simd::Level;
+
+/// Hears of a job's progress and may stop it.
+pub trait Progress: Sync {
+    /// A stage of `total` steps begins.
+    fn stage(&self, name: &'static str, total: u64);
+    /// So many more steps of the stage are done. Called from any thread.
+    fn advance(&self, steps: u64);
+    /// Whether the job should stop; asked often, from any thread.
+    fn cancelled(&self) -> bool;
+}
+
+/// Progress that nobody watches and nobody stops.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Silent;
+
+impl Progress for Silent {
+    fn stage(&self, _name: &'static str, _total: u64) {}
+    fn advance(&self, _steps: u64) {}
+    fn cancelled(&self) -> bool {
+        false
+    }
+}
+
+/// How to run a job: none of this changes a bit of what it computes.
+/// The number of threads is that of the rayon pool it is called in.
+#[derive(Clone, Copy)]
+pub struct RunSettings<'a> {
+    /// Widest instructions to use.
+    pub level: Level,
+    /// Who watches.
+    pub progress: &'a dyn Progress,
+}
+
+impl RunSettings<'static> {
+    /// The widest instructions, and nobody watches.
+    pub fn silent() -> Self {
+        Self {
+            level: Level::detect(),
+            progress: &Silent,
+        }
+    }
+}

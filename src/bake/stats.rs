@@ -1,0 +1,54 @@
+//! What a bake says of itself.
+
+use super::BakeSettings;
+use super::transfer::GroupTransfer;
+
+/// Figures of one group of receivers.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(super) struct GroupStats {
+    receivers: f64,
+    arrived: f64,
+    escaped: f64,
+    senders: f64,
+}
+
+impl GroupStats {
+    pub(super) fn of(transfer: &GroupTransfer, receivers: usize) -> Self {
+        Self {
+            receivers: receivers as f64,
+            arrived: transfer.arrived.iter().sum(),
+            escaped: transfer.escaped.iter().sum(),
+            senders: transfer.entries.len() as f64,
+        }
+    }
+}
+
+/// Figures of a bake, kept in its file.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct BakeStats {
+    /// Rays a vertex.
+    pub rays: u32,
+    /// Score below which coefficients were dropped.
+    pub threshold: f32,
+    /// Share of all rays that arrived at a lit side, 0 to 1.
+    pub arrived_share: f64,
+    /// Share of all rays that escaped, 0 to 1; the rest met a side that light
+    /// cannot reach.
+    pub escaped_share: f64,
+    /// Senders that a group of eight receivers saw, in the mean.
+    pub senders_per_group: f64,
+}
+
+impl BakeStats {
+    pub(super) fn of(groups: &[GroupStats], settings: &BakeSettings, threshold: f32) -> Self {
+        let sum = |field: fn(&GroupStats) -> f64| groups.iter().map(field).sum::<f64>();
+        let receivers = sum(|g| g.receivers).max(1.0);
+        Self {
+            rays: settings.rays,
+            threshold,
+            arrived_share: sum(|g| g.arrived) / receivers,
+            escaped_share: sum(|g| g.escaped) / receivers,
+            senders_per_group: sum(|g| g.senders) / groups.len().max(1) as f64,
+        }
+    }
+}

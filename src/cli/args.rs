@@ -1,0 +1,220 @@
+//! The command line, as clap reads it.
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand};
+use relume::{Bounces, COMPONENTS, Component, SimdLevel};
+
+/// Relight OBJ scenes on a CPU, with bounced light.
+#[derive(Debug, Parser)]
+#[command(version, propagate_version = true, arg_required_else_help = true)]
+pub(super) struct Arguments {
+    #[command(subcommand)]
+    pub(super) command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+pub(super) enum Command {
+    /// Draw one frame; bakes first where the cache has no valid bake.
+    Render(Render),
+    /// Precompute how light travels in a scene, for later frames.
+    Bake(Bake),
+    /// Compare two images; exit code 1 if they differ by more than the limits.
+    Diff(Diff),
+    /// Path-trace a scene: slow, and the truth to compare frames with.
+    Reference(Reference),
+}
+
+impl Command {
+    pub(super) fn run_arguments(&self) -> &Run {
+        match self {
+            Self::Render(arguments) => &arguments.scene.run,
+            Self::Bake(arguments) => &arguments.scene.run,
+            Self::Diff(arguments) => &arguments.run,
+            Self::Reference(arguments) => &arguments.scene.run,
+        }
+    }
+}
+
+#[derive(Debug, Args)]
+pub(super) struct Render {
+    #[command(flatten)]
+    pub(super) scene: SceneArguments,
+    #[command(flatten)]
+    pub(super) view: ViewArguments,
+    /// What to show.
+    #[arg(long, default_value = "global", value_parser = parse_component, value_name = "NAME",
+          long_help = "What to show: global, direct, indirect, irradiance, albedo, normal or depth.")]
+    pub(super) component: Component,
+    /// How indirect light is read at pixels: from the vertices.
+    #[arg(long, default_value = "standard", value_parser = ["standard"], value_name = "NAME")]
+    pub(super) quality: String,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct Bake {
+    #[command(flatten)]
+    pub(super) scene: SceneArguments,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct Diff {
+    /// The image that is right (.png or .exr).
+    pub(super) reference: PathBuf,
+    /// The image to judge, of the same format and size.
+    pub(super) candidate: PathBuf,
+    /// Largest difference of a channel that passes: levels of 255 for PNG,
+    /// linear values for EXR.
+    #[arg(long, default_value_t = 0.0, value_name = "X", value_parser = parse_limit)]
+    pub(super) max_channel_difference: f64,
+    /// Pixels that may differ by more than that: a number, or a share as in 0.5%.
+    #[arg(long, default_value = "0", value_name = "N|P%", value_parser = parse_pixel_limit)]
+    pub(super) max_differing_pixels: PixelLimit,
+    #[command(flatten)]
+    pub(super) run: Run,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct Reference {
+    #[command(flatten)]
+    pub(super) scene: SceneArguments,
+    #[command(flatten)]
+    pub(super) view: ViewArguments,
+    /// Paths a pixel.
+    #[arg(long, default_value_t = 64, value_name = "N", value_parser = clap::value_parser!(u32).range(2..))]
+    pub(super) spp: u32,
+    /// Another seed gives another picture with the same mean.
+    #[arg(long, default_value_t = 1, value_name = "N")]
+    pub(super) seed: u32,
+    /// What to trace: global, direct or indirect light.
+    #[arg(long, default_value = "global", value_parser = ["global", "direct", "indirect"], value_name = "NAME")]
+    pub(super) component: String,
+}
+
+/// A scene, as its file and the command line have it.
+#[derive(Debug, Args)]
+pub(super) struct SceneArguments {
+    /// The scene file (.toml).
+    #[arg(value_name = "SCENE")]
+    pub(super) path: PathBuf,
+    /// Change a key of the scene, as in light.lamp.intensity=[5,5,5]; repeatable.
+    #[arg(long = "set", value_name = "PATH=VALUE")]
+    pub(super) overrides: Vec<String>,
+    #[command(flatten)]
+    pub(super) run: Run,
+}
+
+/// What a picture shows and where it goes.
+#[derive(Debug, Args)]
+pub(super) struct ViewArguments {
+    /// Where the picture goes (.png or .exr); repeatable.
+    #[arg(short, long, value_name = "OUT", required = true)]
+    pub(super) output: Vec<PathBuf>,
+    /// Size of the picture in pixels, instead of the scene's.
+    #[arg(long, value_parser = parse_size, value_name = "WxH")]
+    pub(super) size: Option<Size>,
+    /// Indirect bounces, instead of the scene's.
+    #[arg(long, value_parser = parse_bounces, value_name = "N|all")]
+    pub(super) bounces: Option<Bounces>,
+}
+
+/// How to run: nothing here changes a pixel.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Running (changes no pixel)")]
+pub(super) struct Run {
+    /// Threads to use; default: all processors.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub(super) threads: Option<u16>,
+    /// Widest instructions to use: scalar, sse2, avx2 or auto.
+    #[arg(long, default_value = "auto", value_parser = parse_simd, value_name = "LEVEL")]
+    pub(super) simd: SimdLevel,
+    /// Folder for bakes, instead of the user's cache folder.
+    #[arg(long, value_name = "DIR")]
+    pub(super) cache_dir: Option<PathBuf>,
+    /// Neither read nor write bakes.
+    #[arg(long, conflicts_with = "cache_dir")]
+    pub(super) no_cache: bool,
+    /// Print one JSON object on standard output, and nothing else there.
+    #[arg(long)]
+    pub(super) json: bool,
+}
+
+/// Width and height, pixels.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Size(pub(super) [u32; 2]);
+
+/// How many pixels may differ.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum PixelLimit {
+    Count(u64),
+    /// Share of all pixels, 0 to 1.
+    Share(f64),
+}
+
+/// Longest side of a picture, pixels.
+const LARGEST_SIDE: u32 = 16_384;
+
+fn parse_size(text: &str) -> Result<Size, String> {
+    let problem = || format!("a size is WxH with 1 to {LARGEST_SIDE} pixels each, such as 320x240");
+    let (width, height) = text.split_once(['x', 'X']).ok_or_else(problem)?;
+    let side = |s: &str| {
+        s.trim()
+            .parse()
+            .ok()
+            .filter(|side| (1..=LARGEST_SIDE).contains(side))
+    };
+    Ok(Size([
+        side(width).ok_or_else(problem)?,
+        side(height).ok_or_else(problem)?,
+    ]))
+}
+
+fn parse_bounces(text: &str) -> Result<Bounces, String> {
+    match text {
+        "all" => Ok(Bounces::All),
+        number => number
+            .parse()
+            .map(Bounces::Count)
+            .map_err(|_| "bounces are a number from 0 or \"all\"".to_owned()),
+    }
+}
+
+fn parse_component(text: &str) -> Result<Component, String> {
+    let found = COMPONENTS.iter().find(|(name, _)| *name == text);
+    found.map(|&(_, component)| component).ok_or_else(|| {
+        let names: Vec<&str> = COMPONENTS.iter().map(|&(name, _)| name).collect();
+        format!("components are {}", names.join(", "))
+    })
+}
+
+fn parse_simd(text: &str) -> Result<SimdLevel, String> {
+    let level = match text {
+        "auto" => return Ok(SimdLevel::detect()),
+        "scalar" => SimdLevel::Scalar,
+        "sse2" => SimdLevel::Sse2,
+        "avx2" => SimdLevel::Avx2,
+        _ => return Err("levels are scalar, sse2, avx2 and auto".to_owned()),
+    };
+    if level.available() == level {
+        Ok(level)
+    } else {
+        Err(format!("this processor has no {text}; use auto"))
+    }
+}
+
+fn parse_limit(text: &str) -> Result<f64, String> {
+    text.parse()
+        .ok()
+        .filter(|x: &f64| *x >= 0.0)
+        .ok_or_else(|| "a limit is a number from 0".to_owned())
+}
+
+fn parse_pixel_limit(text: &str) -> Result<PixelLimit, String> {
+    match text.strip_suffix('%') {
+        Some(share) => parse_limit(share.trim()).map(|percent| PixelLimit::Share(percent / 100.0)),
+        None => text
+            .parse()
+            .map(PixelLimit::Count)
+            .map_err(|_| "a number of pixels, or a share as in 0.5%".to_owned()),
+    }
+}

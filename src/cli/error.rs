@@ -1,0 +1,63 @@
+//! What can go wrong in a command, and its exit code.
+
+use std::error::Error;
+
+use relume::{BakeError, OutputError, RenderError, SceneError, SizeMismatch};
+use thiserror::Error;
+
+use super::signals;
+
+/// Why a command failed.
+#[derive(Debug, Error)]
+pub(super) enum CliError {
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    #[error(transparent)]
+    Output(#[from] OutputError),
+    #[error(transparent)]
+    Render(#[from] RenderError),
+    #[error(transparent)]
+    Bake(#[from] BakeError),
+    #[error(transparent)]
+    Sizes(#[from] SizeMismatch),
+    #[error("{0}")]
+    Usage(String),
+    #[error("stopped; nothing was written")]
+    Stopped,
+}
+
+impl CliError {
+    pub(super) fn exit_code(&self) -> u8 {
+        match self {
+            Self::Scene(error) if error.is_io() => 3,
+            Self::Output(OutputError::UnknownFormat(_)) => 2,
+            Self::Output(_) => 3,
+            Self::Stopped
+            | Self::Bake(BakeError::Cancelled)
+            | Self::Render(RenderError::Bake(BakeError::Cancelled)) => {
+                signals::exit_code().unwrap_or(1)
+            }
+            Self::Sizes(_) => 1,
+            Self::Scene(_) | Self::Render(_) | Self::Bake(_) | Self::Usage(_) => 2,
+        }
+    }
+
+    /// The chain of causes on standard error, once.
+    #[allow(
+        clippy::print_stderr,
+        reason = "the one place where the program says what went wrong"
+    )]
+    pub(super) fn print(&self) {
+        let mut text = format!("error: {self}");
+        let mut cause = self.source();
+        while let Some(error) = cause {
+            let part = error.to_string();
+            if !text.ends_with(&part) {
+                text.push_str(": ");
+                text.push_str(&part);
+            }
+            cause = error.source();
+        }
+        eprintln!("{text}");
+    }
+}

@@ -1,0 +1,47 @@
+//! The commands. Raw arguments become one valid command before anything runs;
+//! a command returns what to say, and one place says it.
+
+mod args;
+mod bake;
+mod diff;
+mod error;
+mod reference;
+mod render;
+mod report;
+mod run;
+mod signals;
+
+use std::process::ExitCode;
+
+use clap::Parser;
+
+use args::{Arguments, Command};
+use error::CliError;
+use report::Report;
+
+/// Runs the program; the exit code is 0 fine, 1 images differ, 2 wrong usage or
+/// a scene that cannot be understood, 3 a file that could not be read or
+/// written, 130 after Ctrl-C, 143 after SIGTERM.
+pub(crate) fn main() -> ExitCode {
+    let arguments = Arguments::parse();
+    let json = arguments.command.run_arguments().json;
+    match execute(&arguments.command) {
+        Ok(report) => {
+            report.print(json);
+            ExitCode::from(report.exit_code)
+        }
+        Err(error) => {
+            error.print();
+            ExitCode::from(error.exit_code())
+        }
+    }
+}
+
+fn execute(command: &Command) -> Result<Report, CliError> {
+    match command {
+        Command::Render(arguments) => render::execute(arguments),
+        Command::Bake(arguments) => bake::execute(arguments),
+        Command::Diff(arguments) => diff::execute(arguments),
+        Command::Reference(arguments) => reference::execute(arguments),
+    }
+}

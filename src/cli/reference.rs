@@ -1,0 +1,69 @@
+//! `relume reference`: path-traced truth.
+
+use relume::reference::{ReferenceSettings, trace};
+use relume::{Bounces, Component, Picture, Stages, develop, write_picture};
+use serde_json::json;
+
+use super::args::Reference;
+use super::error::CliError;
+use super::render::{apply_view, check_outputs, digest};
+use super::report::{Report, stage_times};
+use super::run::{load_scene, with_run};
+
+pub(super) fn execute(arguments: &Reference) -> Result<Report, CliError> {
+    check_outputs(&arguments.view)?;
+    let mut scene = load_scene(&arguments.scene)?;
+    apply_view(&mut scene, &arguments.view);
+    let direct_alone = arguments.component == "direct";
+    let settings = ReferenceSettings {
+        camera: scene.camera,
+        bounces: if direct_alone {
+            Bounces::Count(0)
+        } else {
+            scene.render.bounces
+        },
+        samples: arguments.spp,
+        seed: arguments.seed,
+        direct: arguments.component != "indirect",
+    };
+    let mut stages = Stages::default();
+    let traced = with_run(&arguments.scene.run, |run| {
+        stages
+            .time("trace", || trace(&scene, &settings, run))
+            .ok_or(CliError::Stopped)
+    })?;
+    let levels = develop(
+        &traced.image,
+        Component::Global,
+        scene.render.exposure,
+        scene.render.tone,
+    );
+    let picture = Picture {
+        linear: &traced.image,
+        encoded: &levels,
+    };
+    for path in &arguments.view.output {
+        write_picture(path, picture)?;
+    }
+    let json = json!({
+        "digest": digest(&arguments.view, &picture),
+        "size": scene.camera.size,
+        "spp": arguments.spp,
+        "seed": arguments.seed,
+        "noise": traced.noise,
+        "noise_of_mean": traced.noise_of_mean,
+        "ms": stage_times(&[&stages]),
+    });
+    let text = format!(
+        "{} paths a pixel in {:.1} s; noise {:.2} % of the picture, {:.3} % of its mean",
+        arguments.spp,
+        stages.total_ms() / 1e3,
+        traced.noise * 100.0,
+        traced.noise_of_mean * 100.0
+    );
+    Ok(Report {
+        json,
+        text,
+        exit_code: 0,
+    })
+}

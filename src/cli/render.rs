@@ -1,0 +1,105 @@
+//! `relume render`: one frame.
+
+use relume::{
+    Component, Frame, FrameSettings, Picture, Renderer, Scene, check_format, write_picture,
+};
+use serde_json::json;
+
+use super::args::{Render, ViewArguments};
+use super::error::CliError;
+use super::report::{Report, add_figures, figures_text, stage_times};
+use super::run::{cache_folder, load_scene, warn, with_run};
+
+pub(super) fn execute(arguments: &Render) -> Result<Report, CliError> {
+    check_outputs(&arguments.view)?;
+    let mut scene = load_scene(&arguments.scene)?;
+    apply_view(&mut scene, &arguments.view);
+    let (exposure, tone) = (scene.render.exposure, scene.render.tone);
+    let settings = FrameSettings {
+        component: arguments.component,
+        ..FrameSettings::of_scene(&scene)
+    };
+    let folder = cache_folder(&arguments.scene.run);
+
+    let (renderer, frame) = with_run(&arguments.scene.run, |run| {
+        let mut renderer = Renderer::new(scene, folder.as_deref());
+        let frame = renderer.frame(&settings, run)?;
+        Ok((renderer, frame))
+    })?;
+    let mut renderer = renderer;
+    warn(renderer.take_warnings());
+    let levels = frame.develop(exposure, tone);
+    let picture = Picture {
+        linear: &frame.image,
+        encoded: &levels,
+    };
+    for path in &arguments.view.output {
+        write_picture(path, picture)?;
+    }
+    Ok(report(
+        arguments,
+        &renderer,
+        &frame,
+        &digest(&arguments.view, &picture),
+    ))
+}
+
+/// Refuses formats before a long job, not after it.
+pub(super) fn check_outputs(view: &ViewArguments) -> Result<(), CliError> {
+    view.output
+        .iter()
+        .try_for_each(|path| check_format(path))
+        .map_err(CliError::from)
+}
+
+/// Size and bounces of the command line, where given.
+pub(super) fn apply_view(scene: &mut Scene, view: &ViewArguments) {
+    if let Some(size) = view.size {
+        scene.camera.size = size.0;
+    }
+    if let Some(bounces) = view.bounces {
+        scene.render.bounces = bounces;
+    }
+}
+
+/// Digest of the pixels of the first file: levels of a PNG, values of an EXR.
+pub(super) fn digest(view: &ViewArguments, picture: &Picture) -> String {
+    let is_linear = view.output[0]
+        .extension()
+        .is_some_and(|e| e.eq_ignore_ascii_case("exr"));
+    if is_linear {
+        picture.linear.digest()
+    } else {
+        picture.encoded.digest()
+    }
+}
+
+fn report(arguments: &Render, renderer: &Renderer, frame: &Frame, digest: &str) -> Report {
+    let figures = renderer.figures();
+    let size = [frame.image.width(), frame.image.height()];
+    let mut json = json!({ "digest": digest, "size": size });
+    add_figures(&mut json, &figures);
+    json["clamped_pixels"] = json!(frame.clamped_pixels);
+    json["ms"] = stage_times(&[renderer.preparation(), &frame.stages]);
+    let mut text = String::new();
+    for path in &arguments.view.output {
+        text.push_str(&format!("{}: {} x {}\n", path.display(), size[0], size[1]));
+    }
+    text.push_str(&figures_text(&figures));
+    if frame.clamped_pixels > 0 && arguments.component != Component::Direct {
+        text.push_str(&format!(
+            "\n{} pixels had indirect light below zero",
+            frame.clamped_pixels
+        ));
+    }
+    let seconds = (renderer.preparation().total_ms() + frame.stages.total_ms()) / 1e3;
+    text.push_str(&format!(
+        "\n{seconds:.2} s, of which the frame {:.0} ms; digest {digest}",
+        frame.stages.total_ms()
+    ));
+    Report {
+        json,
+        text,
+        exit_code: 0,
+    }
+}

@@ -1,0 +1,92 @@
+//! What a command says at its end: a JSON object, or lines for a person.
+
+use relume::{BakeFigures, SceneFigures, Stages};
+use serde_json::{Map, Value, json};
+
+/// A finished command.
+pub(super) struct Report {
+    pub(super) json: Value,
+    pub(super) text: String,
+    pub(super) exit_code: u8,
+}
+
+impl Report {
+    /// Prints the one or the other on standard output. A reader that has gone
+    /// away (a closed pipe) is no error.
+    pub(super) fn print(&self, json: bool) {
+        use std::io::Write;
+        let mut out = std::io::stdout().lock();
+        let written = if json {
+            writeln!(out, "{}", self.json)
+        } else {
+            writeln!(out, "{}", self.text)
+        };
+        let _ = written.and_then(|()| out.flush());
+    }
+}
+
+/// Milliseconds by stage, with `total`.
+pub(super) fn stage_times(stages: &[&Stages]) -> Value {
+    let mut object = Map::new();
+    for &(name, time_ms) in stages.iter().flat_map(|s| s.times_ms()) {
+        object.insert(name.replace(' ', "_"), rounded(time_ms));
+    }
+    object.insert(
+        "total".to_owned(),
+        rounded(stages.iter().map(|s| s.total_ms()).sum()),
+    );
+    Value::Object(object)
+}
+
+/// Microseconds are as fine as clocks are worth printing.
+fn rounded(time_ms: f64) -> Value {
+    json!((time_ms * 1e3).round() / 1e3)
+}
+
+/// The figures of a scene and its bake as keys of a report.
+pub(super) fn add_figures(object: &mut Value, figures: &SceneFigures) {
+    let bake = figures.bake;
+    let number = |value: fn(&BakeFigures) -> Value| bake.as_ref().map_or(json!(0), value);
+    object["vertices"] = json!(figures.vertices);
+    object["back_vertices"] = json!(figures.back_vertices);
+    object["triangles"] = json!(figures.triangles);
+    object["max_edge"] = json!(figures.max_edge);
+    object["partitions"] = number(|b| json!(b.partitions));
+    object["functions"] = number(|b| json!(b.functions));
+    object["coefficients_per_vertex"] = number(|b| json!(b.coefficients_per_vertex));
+    object["bake_bytes"] = number(|b| json!(b.bytes));
+    object["row_bytes"] = number(|b| json!(b.row_bytes));
+    object["cache"] = bake.map_or(json!("none"), |b| {
+        json!(if b.cached { "hit" } else { "miss" })
+    });
+    if let Some(bake) = bake {
+        object["bake"] = json!({
+            "rays": bake.stats.rays,
+            "arrived_share": bake.stats.arrived_share,
+            "escaped_share": bake.stats.escaped_share,
+            "senders_per_group": bake.stats.senders_per_group,
+        });
+    }
+}
+
+/// One sentence on a scene and its bake.
+pub(super) fn figures_text(figures: &SceneFigures) -> String {
+    let mesh = format!(
+        "{} vertices, {} triangles",
+        figures.vertices, figures.triangles
+    );
+    match figures.bake {
+        None => mesh,
+        Some(bake) => format!(
+            "{mesh}, {} functions, {:.0} coefficients a vertex, bake of {:.1} MB {}",
+            bake.functions,
+            bake.coefficients_per_vertex,
+            bake.bytes as f64 / 1e6,
+            if bake.cached {
+                "from the cache"
+            } else {
+                "made"
+            }
+        ),
+    }
+}

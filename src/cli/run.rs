@@ -1,0 +1,103 @@
+//! From arguments to a running job: scene, threads, cache folder, progress.
+
+use std::path::PathBuf;
+
+use indicatif::{ProgressBar, ProgressStyle};
+use relume::{Override, Progress, RunSettings, Scene};
+
+use super::args::{Run, SceneArguments};
+use super::error::CliError;
+use super::signals;
+
+/// A bar on a terminal, silence elsewhere; stops the job when a signal arrives.
+pub(super) struct Bar {
+    bar: ProgressBar,
+}
+
+impl Bar {
+    pub(super) fn new() -> Self {
+        let bar = ProgressBar::new(0);
+        let style = ProgressStyle::with_template("{msg:>16} [{bar:40}] {percent:>3}% {eta}");
+        bar.set_style(
+            style
+                .unwrap_or_else(|_| ProgressStyle::default_bar())
+                .progress_chars("=> "),
+        );
+        Self { bar }
+    }
+
+    /// Takes the bar away before anything else is printed.
+    pub(super) fn clear(&self) {
+        self.bar.finish_and_clear();
+    }
+}
+
+impl Progress for Bar {
+    fn stage(&self, name: &'static str, total: u64) {
+        self.bar.reset();
+        self.bar.set_length(total);
+        self.bar.set_message(name);
+    }
+
+    fn advance(&self, steps: u64) {
+        self.bar.inc(steps);
+    }
+
+    fn cancelled(&self) -> bool {
+        signals::exit_code().is_some()
+    }
+}
+
+/// Runs a job with the arguments' threads, instructions and progress.
+pub(super) fn with_run<T: Send>(
+    arguments: &Run,
+    job: impl FnOnce(&RunSettings) -> Result<T, CliError> + Send,
+) -> Result<T, CliError> {
+    signals::listen();
+    let threads = arguments.threads.map_or(0, usize::from);
+    let pool = relume::thread_pool(threads).map_err(|error| {
+        CliError::Usage(format!(
+            "cannot start {threads} threads: {error}; ask for fewer"
+        ))
+    })?;
+    let bar = Bar::new();
+    let result = pool.install(|| {
+        job(&RunSettings {
+            level: arguments.simd,
+            progress: &bar,
+        })
+    });
+    bar.clear();
+    result
+}
+
+/// Reads the scene with the command line's changes and says its warnings.
+pub(super) fn load_scene(arguments: &SceneArguments) -> Result<Scene, CliError> {
+    let overrides = arguments
+        .overrides
+        .iter()
+        .map(|text| Override::parse(text))
+        .collect::<Result<Vec<_>, _>>()?;
+    let mut scene = Scene::load(&arguments.path, &overrides)?;
+    warn(std::mem::take(&mut scene.warnings));
+    Ok(scene)
+}
+
+/// Says warnings on standard error.
+#[allow(clippy::print_stderr, reason = "the one place where warnings are said")]
+pub(super) fn warn(warnings: Vec<String>) {
+    for warning in warnings {
+        eprintln!("warning: {warning}");
+    }
+}
+
+/// The folder for bakes; `None`: no cache.
+pub(super) fn cache_folder(arguments: &Run) -> Option<PathBuf> {
+    if arguments.no_cache {
+        return None;
+    }
+    arguments
+        .cache_dir
+        .clone()
+        .or_else(|| dirs::cache_dir().map(|folder| folder.join("relume")))
+}

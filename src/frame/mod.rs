@@ -1,0 +1,15 @@
+//! Frames as values: the linear RGB [`Image`], its way to 8-bit levels
+//! (exposure, tone curve, sRGB), the comparison of two images, and digests.
+//!
+//! Comes in: linear radiance. Goes out: levels, differences, hex strings.
+//! No file is read or written here.
+
+mod digest;
+mod image;
+mod metrics;
+mod tone;
+
+pub use self::image::{Image, ImageSizeError};
+pub use self::metrics::{Difference, SizeMismatch, compare, count_beyond};
+pub use self::tone::EncodedImage;
+pub(crate) use self::tone::{Development, decode_levels};

@@ -1,0 +1,161 @@
+//! Image files. The only room that names the `image` crate.
+//!
+//! Comes in: a frame as linear radiance and as levels, or a path. Goes out: a
+//! file that is either whole or absent, or what a file holds. The format is
+//! chosen by the extension; a new one is a file here and a line in [`FORMATS`].
+
+mod exr;
+mod file;
+mod png;
+
+use std::path::{Path, PathBuf};
+
+use crate::frame::{EncodedImage, Image, decode_levels};
+use file::write_whole;
+
+/// One frame in both of its forms; a format takes the one it holds.
+#[derive(Debug, Clone, Copy)]
+pub struct Picture<'a> {
+    /// Radiance (or another linear quantity), not exposed.
+    pub linear: &'a Image,
+    /// Levels after exposure and tone curve.
+    pub encoded: &'a EncodedImage,
+}
+
+/// What an image file holds.
+#[derive(Debug, Clone, PartialEq)]
+pub enum LoadedImage {
+    /// sRGB levels 0 to 255; 16-bit levels are divided by 257.
+    Levels(Image),
+    /// Linear values.
+    Linear(Image),
+}
+
+impl LoadedImage {
+    /// The values as they stand in the file: levels or linear.
+    pub fn values(&self) -> &Image {
+        match self {
+            Self::Levels(image) | Self::Linear(image) => image,
+        }
+    }
+
+    /// Linear values in any case: levels are decoded from sRGB.
+    pub fn to_linear(&self) -> Image {
+        match self {
+            Self::Levels(levels) => decode_levels(levels),
+            Self::Linear(image) => image.clone(),
+        }
+    }
+}
+
+/// Why an image was not written or read.
+#[derive(Debug, thiserror::Error)]
+pub enum OutputError {
+    /// The extension names no format.
+    #[error("{}: the extension chooses the image format; use .png or .exr", .0.display())]
+    UnknownFormat(PathBuf),
+    /// The file was not written; what stood there before still does.
+    #[error(
+        "{}: could not be written; check that the folder exists, is writable and has space",
+        path.display()
+    )]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// The file was not read.
+    #[error("{}: could not be read; check the path and its permissions", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// The pixels do not fit the format.
+    #[error("{}: the image could not be encoded; try the other of .png and .exr", path.display())]
+    Encode {
+        /// The file.
+        path: PathBuf,
+        /// What the encoder said.
+        source: Box<dyn std::error::Error + Send + Sync>,
+    },
+    /// The bytes are not an image of this format.
+    #[error(
+        "{}: not a readable image of its extension's format; \
+         check that the file is whole and is what its name says",
+        path.display()
+    )]
+    Decode {
+        /// The file.
+        path: PathBuf,
+        /// What the decoder said.
+        source: Box<dyn std::error::Error + Send + Sync>,
+    },
+}
+
+/// Failure of an encoder or decoder, before the path is known.
+type CodecError = Box<dyn std::error::Error + Send + Sync>;
+
+/// One file format.
+struct Format {
+    /// Extension in lower case, without the dot.
+    extension: &'static str,
+    encode: fn(Picture<'_>) -> Result<Vec<u8>, CodecError>,
+    decode: fn(&[u8]) -> Result<LoadedImage, CodecError>,
+}
+
+/// All formats.
+const FORMATS: [Format; 2] = [png::FORMAT, exr::FORMAT];
+
+/// Checks, before any work is done, that `path` names a format.
+///
+/// # Errors
+/// [`OutputError::UnknownFormat`].
+pub fn check_format(path: &Path) -> Result<(), OutputError> {
+    format_of(path).map(|_| ())
+}
+
+/// Writes a frame in the format of the path's extension. A reader of `path`
+/// sees the old file or the new one, never a part.
+///
+/// # Errors
+/// If the extension is unknown or the file cannot be written.
+pub fn write_picture(path: &Path, frame: Picture<'_>) -> Result<(), OutputError> {
+    let bytes = (format_of(path)?.encode)(frame).map_err(|source| OutputError::Encode {
+        path: path.to_owned(),
+        source,
+    })?;
+    write_whole(path, &bytes).map_err(|source| OutputError::Write {
+        path: path.to_owned(),
+        source,
+    })
+}
+
+/// Reads an image in the format of the path's extension.
+///
+/// # Errors
+/// If the extension is unknown or the file is missing, cut or another format.
+pub fn read_image(path: &Path) -> Result<LoadedImage, OutputError> {
+    let format = format_of(path)?;
+    let bytes = std::fs::read(path).map_err(|source| OutputError::Read {
+        path: path.to_owned(),
+        source,
+    })?;
+    (format.decode)(&bytes).map_err(|source| OutputError::Decode {
+        path: path.to_owned(),
+        source,
+    })
+}
+
+fn format_of(path: &Path) -> Result<&'static Format, OutputError> {
+    let extension = path.extension().and_then(|extension| extension.to_str());
+    extension
+        .map(str::to_ascii_lowercase)
+        .and_then(|extension| FORMATS.iter().find(|format| format.extension == extension))
+        .ok_or_else(|| OutputError::UnknownFormat(path.to_owned()))
+}
+
+#[cfg(test)]
+mod tests;

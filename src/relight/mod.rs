@@ -1,0 +1,23 @@
+//! From a baked surface, lights, albedos and a camera to a frame.
+//!
+//! Comes in: [`crate::surface::Surface`], [`crate::bake::Bake`] and what the
+//! scene says at run time. Goes out: a linear picture. Reads no file.
+//!
+//! direct light at vertices -> bounces -> indirect irradiance a vertex
+//! camera -> rasterizer -> direct light a pixel -> shade
+
+mod bounces;
+mod component;
+mod kept;
+mod raster;
+mod renderer;
+mod shade;
+mod stages;
+
+pub use bounces::BounceError;
+pub(crate) use bounces::Transport;
+pub use component::{COMPONENTS, Component};
+pub use renderer::{
+    BakeFigures, Frame, FrameSettings, RenderError, Renderer, SceneFigures, develop,
+};
+pub use stages::Stages;

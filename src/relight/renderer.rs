@@ -1,0 +1,309 @@
+//! A scene that is ready to be lit and drawn, again and again.
+
+use std::path::{Path, PathBuf};
+
+use glam::Vec3;
+use thiserror::Error;
+
+use super::bounces::{BounceError, Transport};
+use super::component::Component;
+use super::kept::KeptDirect;
+use super::shade::{View, draw};
+use super::stages::Stages;
+use crate::bake::{
+    Bake, BakeError, BakeSettings, BakeStats, CacheOutcome, RunSettings, load_or_bake,
+};
+use crate::frame::{Development, EncodedImage, Image};
+use crate::scene::{Bounces, Camera, PlacedLight, Scene, Tone};
+use crate::surface::{Detail, Surface};
+
+/// Why there is no frame.
+#[derive(Debug, Error)]
+pub enum RenderError {
+    /// The precomputation failed or was stopped.
+    #[error(transparent)]
+    Bake(#[from] BakeError),
+    /// The bounces do not converge.
+    #[error(transparent)]
+    Bounces(#[from] BounceError),
+}
+
+/// What a frame shows and how: settings that change its bits.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FrameSettings {
+    /// The camera, with the size of the frame.
+    pub camera: Camera,
+    /// Indirect bounces after the direct light.
+    pub bounces: Bounces,
+    /// What is shown.
+    pub component: Component,
+}
+
+impl FrameSettings {
+    /// What the scene file asks for.
+    pub fn of_scene(scene: &Scene) -> Self {
+        Self {
+            camera: scene.camera,
+            bounces: scene.render.bounces,
+            component: Component::Global,
+        }
+    }
+
+    fn needs_bake(&self) -> bool {
+        self.component.needs_indirect() && self.bounces != Bounces::Count(0)
+    }
+}
+
+/// A frame: linear, neither exposed nor tone-mapped.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Frame {
+    /// What the image shows.
+    pub component: Component,
+    /// The component asked for, row 0 on top.
+    pub image: Image,
+    /// Pixels whose indirect light was below zero and was set to it.
+    pub clamped_pixels: u64,
+    /// Lights whose light at the vertices was computed for this frame.
+    pub computed_lights: usize,
+    /// Milliseconds by stage.
+    pub stages: Stages,
+}
+
+/// The 8-bit levels of a component: light is exposed (EV) and goes through the
+/// tone curve; albedo is a colour; normals are shown as 0.5 + 0.5 n and depth
+/// from white (nearest) to black (farthest).
+pub fn develop(image: &Image, component: Component, exposure: f32, tone: Tone) -> EncodedImage {
+    match component {
+        Component::Albedo => Development::Color.develop(image),
+        Component::Normal => Development::Plain
+            .develop(&image.map(|n| if n == Vec3::ZERO { n } else { n * 0.5 + 0.5 })),
+        Component::Depth => Development::Plain.develop(&nearness(image)),
+        _ => Development::Radiance { exposure, tone }.develop(image),
+    }
+}
+
+/// Depths as 1 (nearest) to 0 (farthest, and where nothing is seen).
+fn nearness(depths: &Image) -> Image {
+    let seen = || depths.pixels().iter().map(|p| p.x).filter(|&d| d > 0.0);
+    let nearest = seen().fold(f32::INFINITY, f32::min);
+    let range = seen().fold(0.0, f32::max) - nearest;
+    depths.map(|p| {
+        let share = if range > 0.0 {
+            (p.x - nearest) / range
+        } else {
+            0.0
+        };
+        Vec3::splat(if p.x > 0.0 { 1.0 - share } else { 0.0 })
+    })
+}
+
+impl Frame {
+    /// The frame's 8-bit levels; see [`develop`].
+    pub fn develop(&self, exposure: f32, tone: Tone) -> EncodedImage {
+        develop(&self.image, self.component, exposure, tone)
+    }
+}
+
+/// How big a scene and its bake are.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SceneFigures {
+    /// Lighting vertices, both sides.
+    pub vertices: usize,
+    /// Those on back sides.
+    pub back_vertices: usize,
+    /// Triangles of the lighting mesh.
+    pub triangles: usize,
+    /// Longest edge left whole, scene units.
+    pub max_edge: f64,
+    /// Of the bake, where one was needed.
+    pub bake: Option<BakeFigures>,
+}
+
+/// How big a bake is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BakeFigures {
+    /// Partitions of the basis.
+    pub partitions: usize,
+    /// Basis functions in all.
+    pub functions: usize,
+    /// Entries a vertex in the mean, near field included.
+    pub coefficients_per_vertex: f64,
+    /// Bytes of the bake's file.
+    pub bytes: usize,
+    /// Bytes of the compressed rows.
+    pub row_bytes: usize,
+    /// Whether it came from the cache.
+    pub cached: bool,
+    /// What the bake says of itself.
+    pub stats: BakeStats,
+}
+
+/// The bake and where it came from.
+struct Baked {
+    bake: Bake,
+    cached: bool,
+    file_bytes: usize,
+}
+
+/// A scene with its surface and, once a frame needs it, its bake. Lights,
+/// albedos, camera and bounces may change from frame to frame; what did not
+/// change is not computed again.
+pub struct Renderer {
+    scene: Scene,
+    surface: Surface,
+    baked: Option<Baked>,
+    cache_folder: Option<PathBuf>,
+    kept: KeptDirect,
+    warnings: Vec<String>,
+    stages: Stages,
+}
+
+impl Renderer {
+    /// Prepares a scene. Bakes come from and go to `cache_folder`; without one
+    /// they live as long as the renderer.
+    pub fn new(scene: Scene, cache_folder: Option<&Path>) -> Self {
+        let mut stages = Stages::default();
+        let surface = stages.time("surface", || {
+            Surface::fronts(&scene, &Detail::of_keys(&scene.bake))
+        });
+        let warnings = surface.warnings.clone();
+        Self {
+            scene,
+            surface,
+            baked: None,
+            cache_folder: cache_folder.map(Path::to_owned),
+            kept: KeptDirect::default(),
+            warnings,
+            stages,
+        }
+    }
+
+    /// The scene as it is lit now.
+    pub fn scene(&self) -> &Scene {
+        &self.scene
+    }
+
+    /// Changes lights or materials; the mesh and `[bake]` stay what they are.
+    pub fn relight(
+        &mut self,
+        change: impl FnOnce(&mut Vec<crate::scene::Light>, &mut Vec<crate::scene::Material>),
+    ) {
+        change(&mut self.scene.lights, &mut self.scene.materials);
+    }
+
+    /// Makes sure that there is a bake: from the cache, or a new one.
+    pub fn bake(&mut self, run: &RunSettings) -> Result<(), BakeError> {
+        if self.baked.is_some() {
+            return Ok(());
+        }
+        let settings = BakeSettings::of_keys(&self.scene.bake);
+        let (surface, folder) = (&mut self.surface, self.cache_folder.as_deref());
+        let baked = self
+            .stages
+            .time("bake", || load_or_bake(surface, &settings, folder, run))?;
+        self.warnings.extend(baked.warnings);
+        let cached = baked.outcome == CacheOutcome::Hit;
+        self.baked = Some(Baked {
+            bake: baked.bake,
+            cached,
+            file_bytes: baked.file_bytes,
+        });
+        Ok(())
+    }
+
+    /// What the user should know about mesh and cache; each sentence once.
+    pub fn take_warnings(&mut self) -> Vec<String> {
+        std::mem::take(&mut self.warnings)
+    }
+
+    /// Milliseconds that preparation took, by stage.
+    pub fn preparation(&self) -> &Stages {
+        &self.stages
+    }
+
+    /// How big everything is.
+    pub fn figures(&self) -> SceneFigures {
+        let vertices = &self.surface.vertices;
+        SceneFigures {
+            vertices: vertices.len(),
+            back_vertices: vertices.len() - vertices.front_count(),
+            triangles: self.surface.mesh.triangles.len(),
+            max_edge: self.surface.max_edge,
+            bake: self.baked.as_ref().map(|baked| BakeFigures {
+                partitions: baked.bake.basis().part_count(),
+                functions: baked.bake.basis().function_count(),
+                coefficients_per_vertex: baked.bake.rows().coefficients_per_vertex(),
+                bytes: baked.file_bytes,
+                row_bytes: baked.bake.rows().bytes(),
+                cached: baked.cached,
+                stats: *baked.bake.stats(),
+            }),
+        }
+    }
+
+    /// Draws a frame; bakes first where the frame needs it.
+    pub fn frame(
+        &mut self,
+        settings: &FrameSettings,
+        run: &RunSettings,
+    ) -> Result<Frame, RenderError> {
+        let mut stages = Stages::default();
+        let lights: Vec<PlacedLight> = self
+            .scene
+            .lights
+            .iter()
+            .filter_map(|light| light.place(&self.surface.placement))
+            .collect();
+        let albedo: Vec<Vec3> = self.scene.materials.iter().map(|m| m.albedo).collect();
+        let mut computed_lights = 0;
+        let mut indirect = Vec::new();
+        if settings.needs_bake() {
+            self.bake(run)?;
+            let (surface, kept) = (&self.surface, &mut self.kept);
+            computed_lights = stages.time("direct at vertices", || {
+                kept.update(surface, run.level, &lights)
+            });
+            indirect = stages.time("bounces", || self.bounce(&albedo, settings.bounces, run))?;
+        }
+        let view = View {
+            surface: &self.surface,
+            level: run.level,
+            camera: settings.camera.place(&self.surface.placement),
+            lights: &lights,
+            albedo: &albedo,
+            indirect: &indirect,
+            component: settings.component,
+        };
+        let picture = draw(&view, &mut stages);
+        Ok(Frame {
+            component: settings.component,
+            image: picture.image,
+            clamped_pixels: picture.clamped_pixels,
+            computed_lights,
+            stages,
+        })
+    }
+
+    /// Indirect irradiance at the vertices from the kept direct light.
+    fn bounce(
+        &self,
+        albedo: &[Vec3],
+        bounces: Bounces,
+        run: &RunSettings,
+    ) -> Result<Vec<Vec3>, BounceError> {
+        let baked = self.baked.as_ref().expect("the frame has made its bake");
+        let materials = self.surface.vertices.materials();
+        let at_vertices: Vec<Vec3> = materials.iter().map(|&m| albedo[m as usize]).collect();
+        let direct = self.kept.sum(self.surface.vertices.len());
+        let source: Vec<Vec3> = direct
+            .iter()
+            .zip(&at_vertices)
+            .map(|(e, rho)| *e * *rho)
+            .collect();
+        Transport {
+            bake: &baked.bake,
+            level: run.level,
+        }
+        .solve(&source, &at_vertices, bounces)
+    }
+}

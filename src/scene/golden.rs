@@ -1,0 +1,33 @@
+//! Limits of the golden check, as the scene file gives them.
+
+use std::path::PathBuf;
+
+/// `[golden]`: how far a frame may be from its golden image; all 0 by default.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct GoldenKeys {
+    /// Largest difference of a channel: 8-bit levels for PNG, linear values
+    /// for EXR.
+    pub max_channel_difference: f64,
+    /// Most pixels that may differ by more than that.
+    pub max_differing_pixels: PixelLimit,
+    /// Largest mean FLIP error, 0 to 1.
+    pub max_flip: f64,
+    /// Image of levels that are allowed a pixel, resolved against the scene
+    /// file's folder.
+    pub mask: Option<PathBuf>,
+}
+
+/// A number of pixels.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum PixelLimit {
+    /// So many.
+    Count(u32),
+    /// A share of the picture, 0 to 1.
+    Share(f64),
+}
+
+impl Default for PixelLimit {
+    fn default() -> Self {
+        Self::Count(0)
+    }
+}

@@ -1,0 +1,147 @@
+//! From a path to a [`Scene`].
+
+use std::path::Path;
+
+use glam::Vec3;
+
+use super::file::Document;
+use super::file::fields::{key_error, suggestion};
+use super::obj::{self, Loaded, ReadFile};
+use super::place::Place;
+use super::text::strict_text;
+use super::{Material, Override, Placement, Scene, SceneError};
+
+/// What materials can ask for that frames lack so far.
+const NOT_YET: [(&str, Asks); 3] = [
+    ("emission (Ke)", |material| material.emission != Vec3::ZERO),
+    ("a texture (map_Kd, map_Ke)", |material| {
+        material.albedo_map.is_some() || material.emission_map.is_some()
+    }),
+    ("gloss (Ks)", |material| material.specular != Vec3::ZERO),
+];
+
+type Asks = fn(&Material) -> bool;
+
+impl Scene {
+    /// Loads a scene file and the OBJ and MTL files that it names, with some
+    /// keys replaced.
+    ///
+    /// # Errors
+    /// A file that cannot be read ([`SceneError::is_io`]), and whatever cannot
+    /// be understood or is out of range, with file, line and what is allowed.
+    /// A missing MTL file and broken faces are [`Scene::warnings`] instead.
+    pub fn load(path: &Path, overrides: &[Override]) -> Result<Self, SceneError> {
+        Self::load_with(path, overrides, &|path| std::fs::read(path))
+    }
+
+    /// [`Scene::load`] with another source of files.
+    pub(crate) fn load_with(
+        path: &Path,
+        overrides: &[Override],
+        read: ReadFile<'_>,
+    ) -> Result<Self, SceneError> {
+        let bytes = read_for("", path, read)?;
+        let document = Document::parse(strict_text(&bytes, path)?, path, overrides)?;
+        let asked_by = format!("{}: ", document.mesh_place);
+        let mesh_bytes = read_for(&asked_by, &document.mesh, read)?;
+        let mut loaded = obj::load(&mesh_bytes, &document.mesh, document.normals, read)?;
+        override_materials(&mut loaded, &document)?;
+        let mut warnings = document.warnings;
+        warnings.extend(not_rendered_yet(&loaded));
+        warnings.append(&mut loaded.warnings);
+        Ok(Self {
+            mesh: loaded.mesh,
+            materials: loaded.materials,
+            lights: document.lights,
+            texture_filter: document.texture_filter,
+            camera: document.camera,
+            render: document.render,
+            bake: document.bake,
+            animations: document.animations,
+            golden: document.golden,
+            warnings,
+        })
+    }
+
+    /// How the later stages see the scene.
+    pub(crate) fn placement(&self) -> Placement {
+        let (lower, upper) = self.mesh.bounds();
+        Placement::of_bounds(lower, upper)
+    }
+}
+
+fn read_for(place: &str, path: &Path, read: ReadFile<'_>) -> Result<Vec<u8>, SceneError> {
+    read(path).map_err(|source| SceneError::Read {
+        place: place.to_owned(),
+        path: path.to_owned(),
+        source,
+    })
+}
+
+/// Applies `[[material]]`, also to where warnings about a material point.
+fn override_materials(loaded: &mut Loaded, document: &Document) -> Result<(), SceneError> {
+    for keys in &document.materials {
+        let index = material_index(loaded, &keys.name, &keys.name_place)?;
+        let material = &mut loaded.materials[index];
+        material.albedo = keys.albedo.unwrap_or(material.albedo);
+        material.roughness = keys.roughness.or(material.roughness);
+        for (value, slot) in [
+            (&keys.specular, &mut material.specular),
+            (&keys.emission, &mut material.emission),
+        ] {
+            if let Some((colour, place)) = value {
+                *slot = *colour;
+                loaded.material_places[index] = place.clone();
+            }
+        }
+    }
+    for (name, place) in &document.animated_materials {
+        material_index(loaded, name, place)?;
+    }
+    Ok(())
+}
+
+fn material_index(loaded: &Loaded, name: &str, place: &Place) -> Result<usize, SceneError> {
+    let names = loaded.materials.iter().map(|m| m.name.as_str());
+    names
+        .clone()
+        .position(|known| known == name)
+        .ok_or_else(|| {
+            key_error(
+                place,
+                format!(
+                    "no material of the mesh is called {name:?}; {}",
+                    suggestion(name, names)
+                ),
+            )
+        })
+}
+
+/// One sentence for each thing that materials of the mesh ask for and that
+/// frames lack so far.
+fn not_rendered_yet(loaded: &Loaded) -> Vec<String> {
+    let mut is_used = vec![false; loaded.materials.len()];
+    for triangle in &loaded.mesh.triangles {
+        is_used[triangle.material as usize] = true;
+    }
+    let mut warnings = Vec::new();
+    for (what, asks) in NOT_YET {
+        let used = (0..is_used.len()).filter(|&index| is_used[index]);
+        let mut asking = used.filter(|&index| asks(&loaded.materials[index]));
+        if let Some(first) = asking.next() {
+            let place = loaded.material_places[first].line_only();
+            let name = &loaded.materials[first].name;
+            let more = match asking.count() {
+                0 => String::new(),
+                count => format!(" (nor of {count} more)"),
+            };
+            warnings.push(format!(
+                "{place}: {what} of material {name:?} is not rendered yet{more}"
+            ));
+        }
+    }
+    warnings
+}
+
+#[cfg(test)]
+mod tests;

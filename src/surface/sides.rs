@@ -1,0 +1,80 @@
+//! Which back sides exist: those that can be seen or lit (decision 1 of the
+//! design: a ray that starts under an object hits the inside of its faces and
+//! must not read the lit outside).
+
+use rayon::prelude::*;
+
+use super::{Surface, SurfacePoint};
+use crate::maths::sampling::cosine_direction;
+use crate::maths::sobol::ScrambledSobol;
+use crate::simd::Level;
+
+/// Rays from a vertex's back. A closed body shows none of them a front or the
+/// open, by construction of the ray test, so more rays only find smaller holes.
+const PILOT_RAYS: u32 = 64;
+/// Rays from a vertex's front, only in scenes whose backs see nothing.
+const FRONT_PILOT_RAYS: u32 = 8;
+/// Seed of the pilot rays, apart from the transfer's.
+const SEED: u32 = 0x51de;
+
+/// Marks front vertices whose back sees a front side or the open, and their
+/// neighbours, between which values are interpolated.
+///
+/// Where no back sees anything but backs and no front sees anything at all,
+/// the only place for light to bounce is the inside of a body, so all backs
+/// exist: a room that was modelled inside out.
+pub(super) fn visible_backs(surface: &Surface, level: Level) -> Vec<bool> {
+    let seen: Vec<bool> = (0..surface.vertices.front_count())
+        .into_par_iter()
+        .map(|v| back_sees(surface, level, v))
+        .collect();
+    if !seen.contains(&true) && !fronts_see_anything(surface, level) {
+        return vec![true; seen.len()];
+    }
+    let mut wanted = seen.clone();
+    for triangle in 0..surface.mesh.triangles.len() as u32 {
+        let corners = surface.vertices.of_triangle(triangle, true);
+        if corners.iter().any(|&v| seen[v as usize]) {
+            corners.iter().for_each(|&v| wanted[v as usize] = true);
+        }
+    }
+    wanted
+}
+
+fn back_sees(surface: &Surface, level: Level, vertex: usize) -> bool {
+    pilot_points(surface, vertex, PILOT_RAYS).any(|(point, u)| {
+        let back = SurfacePoint {
+            normal: -point.normal,
+            flat_normal: -point.flat_normal,
+            ..point
+        };
+        surface
+            .arrival(level, &back, cosine_direction(back.flat_normal, u))
+            .is_none_or(|hit| hit.front)
+    })
+}
+
+fn fronts_see_anything(surface: &Surface, level: Level) -> bool {
+    (0..surface.vertices.front_count())
+        .into_par_iter()
+        .any(|vertex| {
+            pilot_points(surface, vertex, FRONT_PILOT_RAYS).any(|(point, u)| {
+                surface
+                    .arrival(level, &point, cosine_direction(point.flat_normal, u))
+                    .is_some()
+            })
+        })
+}
+
+/// Points of a front vertex's area, each with two uniforms for a direction.
+fn pilot_points(
+    surface: &Surface,
+    vertex: usize,
+    count: u32,
+) -> impl Iterator<Item = (SurfacePoint, [f32; 2])> {
+    let set = ScrambledSobol::new(SEED, vertex as u32);
+    (0..count).map(move |k| {
+        let u = set.point(k);
+        (surface.sample_point(vertex, [u[0], u[1]]), [u[2], u[3]])
+    })
+}

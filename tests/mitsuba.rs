@@ -1,0 +1,181 @@
+//! relume against Mitsuba 3: a renderer that shares no code with it.
+//!
+//! relume's own path tracer shares scene, lights and shading with the renderer,
+//! so a common fault (a factor of pi, a colour space, a side) passes between
+//! them. Here `mitsuba/reference.py` reads the scene file itself. Run it with
+//! `cargo test --release --test mitsuba -- --ignored --nocapture`; the
+//! environment variable `RELUME_PYTHON` names a Python that has the wheels `mitsuba` and
+//! `numpy`.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use serde_json::Value;
+
+/// Environment variable with the Python to use instead of `python3`.
+const PYTHON: &str = "RELUME_PYTHON";
+/// Scenes with all kinds of local light, open and closed, flat and curved.
+const SCENES: [&str; 4] = ["cornell", "window", "statues", "plank"];
+/// Large enough for every feature of the scenes, small enough for minutes.
+const SIZE: &str = "160x120";
+/// Paths a pixel of the reference. Two seeds of 128 paths differ in the mean by
+/// 0.15 % on the plank (two lights, of which a path takes one at random) and by
+/// at most 0.06 % on the other scenes; 512 paths keep the noise of the mean
+/// below 0.1 %, far from both limits of the bias.
+const PATHS_A_PIXEL: &str = "512";
+/// Most relative difference of the mean of direct light, which relume computes
+/// exactly at every sample: what remains is the anti-aliasing of shadow edges.
+/// A wrong factor, exponent or falloff is larger than a per cent.
+const DIRECT_BIAS: f64 = 0.003;
+/// Most relative difference of the mean after four bounces: the compressed
+/// transfer keeps constant light exactly and other light within its error, of
+/// which the mean is a small part. One lost bounce is at least 2 %.
+const GLOBAL_BIAS: f64 = 0.01;
+/// Most relative error of direct light's means over blocks of 8 x 8 pixels. The
+/// bias does not see a picture that is mirrored (0.48 to 0.87 on these scenes)
+/// or moved by one pixel (0.035 to 0.056); the reference's own noise is 0.006.
+const DIRECT_BLOCK_ERROR: f64 = 0.02;
+/// The same after four bounces: what a bake promises for indirect light.
+const GLOBAL_BLOCK_ERROR: f64 = 0.05;
+
+/// One comparison: a scene and its bounces.
+struct Case {
+    scene: &'static str,
+    bounces: u32,
+    most_bias: f64,
+    most_block_error: f64,
+}
+
+#[test]
+#[ignore = "needs the mitsuba wheel of PyPI and minutes of rendering"]
+fn relume_agrees_with_mitsuba() {
+    if !mitsuba_is_installed() {
+        report(
+            "skipped: `import mitsuba, numpy` fails; set RELUME_PYTHON to a Python that has them",
+        );
+        return;
+    }
+    let folder = tempfile::tempdir().expect("a temporary folder can be made");
+    let faults: Vec<String> = cases()
+        .iter()
+        .filter_map(|case| compare(case, folder.path()).err())
+        .collect();
+    assert!(faults.is_empty(), "differs from Mitsuba: {faults:#?}");
+}
+
+fn cases() -> Vec<Case> {
+    let direct = |scene| Case {
+        scene,
+        bounces: 0,
+        most_bias: DIRECT_BIAS,
+        most_block_error: DIRECT_BLOCK_ERROR,
+    };
+    let global = |scene| Case {
+        scene,
+        bounces: 4,
+        most_bias: GLOBAL_BIAS,
+        most_block_error: GLOBAL_BLOCK_ERROR,
+    };
+    SCENES
+        .into_iter()
+        .flat_map(|scene| [direct(scene), global(scene)])
+        .collect()
+}
+
+/// Renders both pictures and checks their difference.
+fn compare(case: &Case, folder: &Path) -> Result<(), String> {
+    let name = format!("{} with {} bounces", case.scene, case.bounces);
+    let reference = folder.join("reference.exr");
+    let candidate = folder.join("candidate.exr");
+    render_with_mitsuba(case, &reference);
+    render_with_relume(case, folder, &candidate);
+
+    let difference = difference(&candidate, &reference);
+    report(&format!("{name}: {difference}"));
+    let number = |key: &str| difference[key].as_f64().unwrap_or(f64::NAN);
+    let is_lit = number("reference_mean") > 0.0;
+    let agrees =
+        number("bias").abs() <= case.most_bias && number("block_rel_rmse") <= case.most_block_error;
+    if is_lit && agrees {
+        return Ok(());
+    }
+    Err(format!("{name}: {difference}"))
+}
+
+fn scene_path(case: &Case) -> PathBuf {
+    repository()
+        .join("scenes")
+        .join(case.scene)
+        .join(format!("{}.toml", case.scene))
+}
+
+fn render_with_mitsuba(case: &Case, output: &Path) {
+    run(script()
+        .arg(scene_path(case))
+        .arg("-o")
+        .arg(output)
+        .args(["--size", SIZE, "--spp", PATHS_A_PIXEL])
+        .args(["--bounces", &case.bounces.to_string()]));
+}
+
+/// The cache is the folder's own, so both frames of a scene share one bake.
+fn render_with_relume(case: &Case, folder: &Path, output: &Path) {
+    run(Command::new(env!("CARGO_BIN_EXE_relume"))
+        .arg("render")
+        .arg(scene_path(case))
+        .arg("-o")
+        .arg(output)
+        .arg("--cache-dir")
+        .arg(folder.join("cache"))
+        .args(["--size", SIZE])
+        .args(["--bounces", &case.bounces.to_string()]));
+}
+
+/// What the script says about two images.
+fn difference(candidate: &Path, reference: &Path) -> Value {
+    let output = run(script().arg("--compare").arg(candidate).arg(reference));
+    serde_json::from_slice(&output.stdout).expect("the script prints one JSON object")
+}
+
+fn script() -> Command {
+    let mut command = python();
+    command.arg(repository().join("tests/mitsuba/reference.py"));
+    command
+}
+
+fn python() -> Command {
+    Command::new(std::env::var_os(PYTHON).unwrap_or_else(|| "python3".into()))
+}
+
+fn mitsuba_is_installed() -> bool {
+    python()
+        .args(["-c", "import mitsuba, numpy"])
+        .output()
+        .is_ok_and(|output| output.status.success())
+}
+
+fn repository() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+/// Runs a program that must succeed.
+fn run(command: &mut Command) -> Output {
+    let output = command
+        .output()
+        .unwrap_or_else(|error| panic!("{command:?} does not start: {error}"));
+    assert!(
+        output.status.success(),
+        "{command:?} fails: {}",
+        String::from_utf8_lossy(&output.stderr)
+    );
+    output
+}
+
+/// Tells whoever runs the test with `--nocapture`.
+#[allow(
+    clippy::print_stderr,
+    reason = "the measured differences are the result of this test"
+)]
+fn report(text: &str) {
+    eprintln!("{text}");
+}
