@@ -166,8 +166,8 @@ mod tests {
         assert_eq!(difference.rmse, (9.0_f64 / 6.0).sqrt());
         assert_eq!(difference.relative_rmse, 3.0 / 5.0);
         assert_eq!(difference.bias, -3.0 / 9.0);
-        let differences = pixel_differences(&reference, &candidate).unwrap();
-        assert_eq!(differences, [0.0, 3.0]);
+        assert_eq!(count_beyond(&reference, &candidate, 2.9), Ok(1));
+        assert_eq!(count_beyond(&reference, &candidate, 3.0), Ok(0));
     }
 
     #[test]

@@ -18,7 +18,7 @@ fn write_gradient(path: &Path) -> (Image, EncodedImage) {
         linear: &linear,
         encoded: &encoded,
     };
-    write_frame(path, frame).unwrap();
+    write_picture(path, frame).unwrap();
     (linear, encoded)
 }
 
@@ -97,7 +97,7 @@ fn missing_folders_and_broken_files_are_errors_with_the_path() {
         encoded: &encoded,
     };
     let missing = folder.path().join("no/frame.png");
-    let error = write_frame(&missing, frame).unwrap_err();
+    let error = write_picture(&missing, frame).unwrap_err();
     assert!(matches!(error, OutputError::Write { .. }), "{error}");
     assert!(matches!(
         read_image(&missing),
@@ -105,7 +105,7 @@ fn missing_folders_and_broken_files_are_errors_with_the_path() {
     ));
     for name in ["cut.png", "cut.exr"] {
         let path = folder.path().join(name);
-        write_frame(&path, frame).unwrap();
+        write_picture(&path, frame).unwrap();
         let bytes = fs::read(&path).unwrap();
         fs::write(&path, &bytes[..bytes.len() / 2]).unwrap();
         let error = read_image(&path).unwrap_err();

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::bins::{Bins, Entry, TILE_HEIGHT, TILE_WIDTH, Touch};
 use super::screen::{Corner, Screen};
-use super::triangle::TriangleSetup;
+use super::triangle::{Nearest, TriangleSetup};
 use super::{Fragment, RasterMesh};
 use crate::scene::PlacedCamera;
 
@@ -44,16 +44,17 @@ pub(crate) fn rasterize(camera: &PlacedCamera, mesh: &RasterMesh) -> CenterBuffe
     }
 }
 
+const EMPTY_ROWS: [[Nearest<LANES>; TILE_WIDTH / LANES]; TILE_HEIGHT] =
+    [[Nearest::EMPTY; TILE_WIDTH / LANES]; TILE_HEIGHT];
+
 /// A tile being drawn.
 struct Tile {
     /// Centred coordinates of the first pixel's centre.
     left: f64,
     top: f64,
-    /// Largest 1/depth so far, 0 where nothing was drawn.
-    inverse_depths: [[f64; TILE_WIDTH]; TILE_HEIGHT],
-    /// One more than the index in `drawn`, 0 where nothing was drawn. As wide
-    /// as the depths, so that one comparison selects both.
-    owners: [[u64; TILE_WIDTH]; TILE_HEIGHT],
+    /// The nearest surface at each pixel; owners are one more than the index
+    /// in `drawn`.
+    rows: [[Nearest<LANES>; TILE_WIDTH / LANES]; TILE_HEIGHT],
     /// The tile's triangles that draw something.
     drawn: Vec<(u32, TriangleSetup)>,
 }
@@ -63,8 +64,7 @@ impl Tile {
         Self {
             left: 0.0,
             top: 0.0,
-            inverse_depths: [[0.0; TILE_WIDTH]; TILE_HEIGHT],
-            owners: [[0; TILE_WIDTH]; TILE_HEIGHT],
+            rows: EMPTY_ROWS,
             drawn: Vec::new(),
         }
     }
@@ -73,8 +73,7 @@ impl Tile {
     fn place(&mut self, screen: &Screen, tile_x: usize, tile_y: usize) {
         self.left = (tile_x * TILE_WIDTH) as f64 + 0.5 - screen.half_width;
         self.top = (tile_y * TILE_HEIGHT) as f64 + 0.5 - screen.half_height;
-        self.inverse_depths = [[0.0; TILE_WIDTH]; TILE_HEIGHT];
-        self.owners = [[0; TILE_WIDTH]; TILE_HEIGHT];
+        self.rows = EMPTY_ROWS;
         self.drawn.clear();
     }
 
@@ -101,14 +100,15 @@ impl Tile {
 
     /// Draws one row of a triangle, in whole groups of [`LANES`] pixels.
     fn draw_row(&mut self, setup: &TriangleSetup, owner: u64, row: usize, columns: [usize; 2]) {
-        let y = self.top + row as f64;
-        let (depths, _) = self.inverse_depths[row].as_chunks_mut::<LANES>();
-        let (owners, _) = self.owners[row].as_chunks_mut::<LANES>();
-        let groups = columns[0] / LANES..columns[1] / LANES + 1;
-        let mut x = self.left + (groups.start * LANES) as f64;
-        for (depths, owners) in depths[groups.clone()].iter_mut().zip(&mut owners[groups]) {
-            draw_lanes(setup, owner, x, y, depths, owners);
-            x += LANES as f64;
+        let ys = [self.top + row as f64; LANES];
+        for group in columns[0] / LANES..=columns[1] / LANES {
+            let first = self.left + (group * LANES) as f64;
+            let mut xs = [first; LANES];
+            for (lane, x) in xs.iter_mut().enumerate() {
+                *x += lane as f64;
+            }
+            let inverse_depths = setup.inverse_depths_inside(&xs, &ys);
+            self.rows[row][group].draw(owner, &inverse_depths);
         }
     }
 
@@ -118,7 +118,7 @@ impl Tile {
         for (y, row) in rows.chunks_mut(width).enumerate() {
             let end = width.min(left + TILE_WIDTH);
             for (x, fragment) in row[left..end].iter_mut().enumerate() {
-                let owner = self.owners[y][x];
+                let owner = self.rows[y][x / LANES].owners[x % LANES];
                 if owner > 0 {
                     let (triangle, setup) = &self.drawn[owner as usize - 1];
                     let (x, y) = (self.left + x as f64, self.top + y as f64);
@@ -126,29 +126,6 @@ impl Tile {
                 }
             }
         }
-    }
-}
-
-/// Tests `LANES` pixels from x on: the same as
-/// [`TriangleSetup::inverse_depth_inside`], without branches.
-#[inline(always)]
-fn draw_lanes(
-    setup: &TriangleSetup,
-    owner: u64,
-    x: f64,
-    y: f64,
-    depths: &mut [f64; LANES],
-    owners: &mut [u64; LANES],
-) {
-    for lane in 0..LANES {
-        let inverse_depth = setup.inverse_depth_inside(x + lane as f64, y);
-        let is_nearer = inverse_depth > depths[lane];
-        depths[lane] = if is_nearer {
-            inverse_depth
-        } else {
-            depths[lane]
-        };
-        owners[lane] = if is_nearer { owner } else { owners[lane] };
     }
 }
 

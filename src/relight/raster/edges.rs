@@ -97,27 +97,24 @@ impl<'a> View<'a> {
     }
 
     fn is_unlike_a_neighbour(&self, x: usize, y: usize) -> bool {
-        let own = self.fragment(x, y);
-        self.neighbourhood(x, y)
-            .any(|other| other.triangle != own.triangle && !self.fits(own, x, y, other))
-    }
-
-    /// Whether the fragment at a pixel's centre and another one near it lie on
-    /// one smooth surface.
-    fn fits(&self, own: &Fragment, x: usize, y: usize, other: &Fragment) -> bool {
-        if surface_of(own, self.mesh) != surface_of(other, self.mesh) {
-            return false;
-        }
-        let Some(Some(plane)) = self.planes.get(other.triangle as usize) else {
-            return false;
+        let own = &self.centers.fragments[y * self.width + x];
+        let own_surface = surface_of(own, self.mesh);
+        let inverse_depth = 1.0 / f64::from(own.depth);
+        let center_x = x as f64 + 0.5 - self.screen.half_width;
+        let center_y = y as f64 + 0.5 - self.screen.half_height;
+        let fits = |other: &Fragment| {
+            surface_of(other, self.mesh) == own_surface
+                && self.plane(other.triangle).is_some_and(|plane| {
+                    plane.holds(center_x, center_y, inverse_depth, self.tolerance)
+                })
         };
-        let x = x as f64 + 0.5 - self.screen.half_width;
-        let y = y as f64 + 0.5 - self.screen.half_height;
-        plane.holds(x, y, 1.0 / f64::from(own.depth), self.tolerance)
+        self.neighbourhood(x, y)
+            .any(|other| other.triangle != own.triangle && !fits(other))
     }
 
-    fn fragment(&self, x: usize, y: usize) -> &Fragment {
-        &self.centers.fragments[y * self.width + x]
+    /// The plane of a triangle, unless it is none or draws nothing.
+    fn plane(&self, triangle: u32) -> Option<&Plane> {
+        self.planes.get(triangle as usize)?.as_ref()
     }
 
     /// The fragments of the 3 x 3 pixels about (x, y) that are in the picture.
@@ -137,7 +134,7 @@ impl<'a> View<'a> {
     }
 
     fn front(&self, triangle: u32) -> Option<bool> {
-        self.planes[triangle as usize].map(|plane| plane.front)
+        self.plane(triangle).map(|plane| plane.front)
     }
 
     /// Adds the pixels that an edge touches where it is not hidden.
@@ -190,7 +187,7 @@ impl<'a> View<'a> {
     }
 
     fn hides(&self, fragment: &Fragment, point: &Point) -> bool {
-        let Some(Some(plane)) = self.planes.get(fragment.triangle as usize) else {
+        let Some(plane) = self.plane(fragment.triangle) else {
             return false;
         };
         let limit = point.inverse_depth * (1.0 + self.tolerance);

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::bins::{Bins, Entry, TILE_HEIGHT, TILE_WIDTH, Touch};
 use super::screen::{Corner, Screen};
-use super::triangle::TriangleSetup;
+use super::triangle::{Nearest, TriangleSetup};
 use super::{Fragment, NONE, RasterMesh};
 use crate::scene::PlacedCamera;
 
@@ -145,20 +145,9 @@ fn bands<'a>(
     bands
 }
 
-/// The samples of one pixel being drawn.
-#[derive(Clone, Copy)]
-struct PixelSamples {
-    inverse_depths: [f64; SAMPLE_COUNT],
-    /// One more than the index in [`Tile::drawn`], 0 where nothing was drawn.
-    owners: [u64; SAMPLE_COUNT],
-}
-
-impl PixelSamples {
-    const EMPTY: Self = Self {
-        inverse_depths: [0.0; SAMPLE_COUNT],
-        owners: [0; SAMPLE_COUNT],
-    };
-}
+/// The samples of one pixel being drawn; owners are one more than the index in
+/// [`Tile::drawn`].
+type PixelSamples = Nearest<SAMPLE_COUNT>;
 
 /// A tile being drawn.
 struct Tile {
@@ -294,15 +283,7 @@ impl Tile {
 
 /// Tests the samples of the pixel whose upper left corner is (x, y).
 fn draw_pixel(setup: &TriangleSetup, owner: u64, x: f64, y: f64, pixel: &mut PixelSamples) {
-    for (k, offset) in SAMPLE_OFFSETS.iter().enumerate() {
-        let (x, y) = (x + f64::from(offset[0]), y + f64::from(offset[1]));
-        let inverse_depth = setup.inverse_depth_inside(x, y);
-        let is_nearer = inverse_depth > pixel.inverse_depths[k];
-        pixel.inverse_depths[k] = if is_nearer {
-            inverse_depth
-        } else {
-            pixel.inverse_depths[k]
-        };
-        pixel.owners[k] = if is_nearer { owner } else { pixel.owners[k] };
-    }
+    let xs = SAMPLE_OFFSETS.map(|offset| x + f64::from(offset[0]));
+    let ys = SAMPLE_OFFSETS.map(|offset| y + f64::from(offset[1]));
+    pixel.draw(owner, &setup.inverse_depths_inside(&xs, &ys));
 }

@@ -6,6 +6,7 @@ use super::centers::fragment_by_brute_force;
 use super::samples::SAMPLE_COUNT;
 use super::screen::Screen;
 use super::triangle::TriangleSetup;
+use super::samples::SAMPLE_OFFSETS;
 use super::*;
 use crate::maths::hash::{hash3, uniform};
 use crate::scene::{Camera, PlacedCamera, Placement};
@@ -157,7 +158,7 @@ fn assert_equals_brute_force(camera: &PlacedCamera, mesh: &TestMesh) {
     );
     let pixel_count = centers.fragments.len();
     let mask: Vec<bool> = (0..pixel_count as u32)
-        .map(|k| hash3(5, k, 0) % 3 == 0)
+        .map(|k| hash3(5, k, 0).is_multiple_of(3))
         .collect();
     let buffer = rasterize_samples(camera, &mesh.view(), &mask);
     for (k, offset) in SAMPLE_OFFSETS.iter().enumerate() {

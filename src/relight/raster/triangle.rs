@@ -62,18 +62,38 @@ impl TriangleSetup {
     }
 
     /// 1/depth at a sample if the triangle is seen there, else 0.
-    #[inline(always)]
+    #[cfg(test)]
     pub(super) fn inverse_depth_inside(&self, x: f64, y: f64) -> f64 {
-        let [e0, e1, e2] = &self.edges;
-        let inside = (e0.at(x, y) >= self.limits[0])
-            & (e1.at(x, y) >= self.limits[1])
-            & (e2.at(x, y) >= self.limits[2]);
+        let inside = (0..3).all(|k| self.edges[k].at(x, y) >= self.limits[k]);
         let inverse_depth = self.inverse_depth.at(x, y);
-        if inside & (inverse_depth < MAX_INVERSE_DEPTH) {
+        if inside && inverse_depth < MAX_INVERSE_DEPTH {
             inverse_depth
         } else {
             0.0
         }
+    }
+
+    /// The same at several samples at once. The conditions are masks of bits,
+    /// since the compiler makes branches of anything else, and no vectors
+    /// (three times the time).
+    #[inline(always)]
+    pub(super) fn inverse_depths_inside<const N: usize>(
+        &self,
+        xs: &[f64; N],
+        ys: &[f64; N],
+    ) -> [f64; N] {
+        let [e0, e1, e2] = self.edges;
+        let [l0, l1, l2] = self.limits;
+        let mut inverse_depths = [0.0; N];
+        for (result, (&x, &y)) in inverse_depths.iter_mut().zip(xs.iter().zip(ys)) {
+            let inverse_depth = self.inverse_depth.at(x, y);
+            let is_seen = mask(e0.at(x, y) >= l0)
+                & mask(e1.at(x, y) >= l1)
+                & mask(e2.at(x, y) >= l2)
+                & mask(inverse_depth < MAX_INVERSE_DEPTH);
+            *result = f64::from_bits(inverse_depth.to_bits() & is_seen);
+        }
+        inverse_depths
     }
 
     /// Whether all points within `reach_x` and `reach_y` pixels of (x, y) lie
@@ -101,6 +121,41 @@ impl TriangleSetup {
             barycentrics,
             depth: (1.0 / self.inverse_depth.at(x, y)) as f32,
             front: self.front,
+        }
+    }
+}
+
+/// All bits set, or none.
+#[inline(always)]
+fn mask(condition: bool) -> u64 {
+    u64::from(condition).wrapping_neg()
+}
+
+/// Samples being drawn: the nearest surface at each.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Nearest<const N: usize> {
+    /// 1/depth, 0 where nothing was drawn.
+    pub(super) inverse_depths: [f64; N],
+    /// Who drew it; 0 is nobody. As wide as the depths, so that one
+    /// comparison selects both.
+    pub(super) owners: [u64; N],
+}
+
+impl<const N: usize> Nearest<N> {
+    /// Nothing was drawn.
+    pub(super) const EMPTY: Self = Self {
+        inverse_depths: [0.0; N],
+        owners: [0; N],
+    };
+
+    /// Draws what is nearer than all before, by its 1/depths.
+    #[inline(always)]
+    pub(super) fn draw(&mut self, owner: u64, inverse_depths: &[f64; N]) {
+        let old = self.inverse_depths.iter_mut().zip(&mut self.owners);
+        for ((old, old_owner), new) in old.zip(inverse_depths) {
+            let is_nearer = mask(*new > *old);
+            *old = f64::from_bits((new.to_bits() & is_nearer) | (old.to_bits() & !is_nearer));
+            *old_owner = (owner & is_nearer) | (*old_owner & !is_nearer);
         }
     }
 }
