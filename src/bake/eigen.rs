@@ -4,7 +4,7 @@
 //! Chelikowsky 2006): a polynomial of the matrix, small on the unwanted end of
 //! the spectrum, is applied to a block of vectors, which Rayleigh-Ritz then
 //! turns into approximations of eigenvectors. A product with the sparse matrix
-//! costs 5 % of a solve with its factors (700 vertices of a mesh have 4,900
+//! costs 10 % of a solve with its factors (700 vertices of a mesh have 4,900
 //! entries, their factors 25,000 and are passed twice), and the filter needs a
 //! handful of products for each step of the inverse.
 //!

@@ -55,6 +55,11 @@ impl Scratch {
         }
     }
 
+    /// Distance from the nearest source.
+    pub(super) fn distance(&self, vertex: u32) -> u64 {
+        self.distance[vertex as usize]
+    }
+
     /// The vertex farthest from the sources; the lowest index on ties.
     pub(super) fn farthest(&self, vertices: &[u32]) -> u32 {
         let farthest = vertices

@@ -2,10 +2,14 @@
 //!
 //! Integer arithmetic throughout, ties broken by index: the same graph gives
 //! the same parts everywhere. Each connected component by itself:
-//! farthest-point seeds, balanced growth around them, seeds moved to the
-//! centres and grown again (Lloyd 1982, on a graph), then vertices of the
+//! farthest-point seeds, balanced growth around them, then vertices of the
 //! borders change sides while that evens out the parts or shortens the cut.
-//! A part is one connected piece at every step.
+//! The seeds move to the centres of the parts and all is done again a few
+//! times (Lloyd 1982, on a graph); the shortest cut stays. A part is one
+//! connected piece at every step.
+//!
+//! METIS 5 cuts 5 to 12 % fewer edges of triangulated grids and 23 % fewer of
+//! square ones, which no triangle mesh has.
 
 mod border;
 mod distance;
@@ -129,8 +133,7 @@ pub(crate) fn partition(
                 part_count,
                 labels: &mut labels,
             };
-            growth::grow(&mut split, &mut scratch);
-            border::refine(&mut split, settings.refinement_passes);
+            growth::grow(&mut split, &mut scratch, settings.refinement_passes);
         }
         label_count += part_count;
     }
@@ -152,6 +155,11 @@ impl Split<'_> {
     /// Weight of a vertex, at least 1.
     fn weight(&self, vertex: u32) -> u64 {
         u64::from(self.weights[vertex as usize].max(1))
+    }
+
+    /// Weight of the component.
+    fn total_weight(&self) -> u64 {
+        self.members.iter().map(|&vertex| self.weight(vertex)).sum()
     }
 
     /// Weight of each part.

@@ -54,35 +54,36 @@ fn pieces(graph: &VertexGraph, partition: &Partition, members: &[u32]) -> usize 
 }
 
 /// (name, graph, vertices a part, largest cut allowed). The cuts are 5 % above
-/// what was measured, so that a change for the worse shows.
+/// what was measured (771, 1247, 1475, 839, 105 and 9; METIS 5 reaches 595,
+/// 1102 and 1382 on the first three), so that a change for the worse shows.
 fn yardsticks() -> Vec<(&'static str, VertexGraph, u32, usize)> {
     vec![
         (
             "square grid 100 x 100",
             sample_graphs::square_grid(100, 100),
             700,
-            100_000,
+            810,
         ),
         (
             "triangle grid 100 x 100",
             sample_graphs::triangle_grid(100, 100),
             700,
-            100_000,
+            1310,
         ),
         (
             "grid with a hole",
             sample_graphs::grid_with_hole(120),
             700,
-            100_000,
+            1550,
         ),
-        ("sphere", sample_graphs::sphere(60, 120), 500, 100_000),
+        ("sphere", sample_graphs::sphere(60, 120), 500, 880),
         (
             "strip 4 x 2000",
             sample_graphs::triangle_grid(4, 2000),
             500,
-            100_000,
+            110,
         ),
-        ("path", sample_graphs::path(5000), 500, 100_000),
+        ("path", sample_graphs::path(5000), 500, 9),
     ]
 }
 
