@@ -47,7 +47,7 @@ pub struct Reference {
     /// Mean radiance over each pixel, W/(m2 sr), linear.
     pub image: Image,
     /// Standard error of the picture, relative L2: half the difference of the
-    /// means of its even and its odd paths.
+    /// means of the first and the second half of its paths.
     pub noise: f64,
     /// The same of the mean over the picture.
     pub noise_of_mean: f64,
@@ -115,26 +115,26 @@ struct Vertex {
 }
 
 impl Tracer<'_> {
-    /// Means over the even and the odd paths of a pixel.
+    /// Means over the first and the second half of a pixel's paths.
     fn pixel(&self, x: u32, y: u32) -> [Vec3; 2] {
         let pixel = y * self.camera.width + x;
+        // Halves in order: even and odd points of a Sobol set lie on different
+        // sides of the pixel.
+        let first_half = self.settings.samples.div_ceil(2);
         let mut sums = [Vec3::ZERO; 2];
         for sample in 0..self.settings.samples {
             let set = hash3(self.settings.seed, pixel, sample / POINTS_PER_SET);
             let u = ScrambledSobol::new(self.settings.seed, set).point(sample % POINTS_PER_SET);
             let path = hash3(self.settings.seed ^ 0x9a7d, pixel, sample);
-            sums[sample as usize % 2] += self.radiance(
+            sums[usize::from(sample >= first_half)] += self.radiance(
                 f64::from(x) + f64::from(u[0]),
                 f64::from(y) + f64::from(u[1]),
                 [u[2], u[3]],
                 path,
             );
         }
-        let odd = self.settings.samples / 2;
-        [
-            sums[0] / (self.settings.samples - odd) as f32,
-            sums[1] / odd.max(1) as f32,
-        ]
+        let second_half = self.settings.samples - first_half;
+        [sums[0] / first_half as f32, sums[1] / second_half as f32]
     }
 
     /// Radiance along one path through pixel coordinates (x, y). `first` are

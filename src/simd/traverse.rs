@@ -16,8 +16,8 @@ pub(crate) const CHILDREN: usize = 8;
 pub(crate) const LEAF: u32 = 1 << 31;
 
 /// Room for the nodes that a ray has still to visit. A tree needs at most
-/// seven a level and says how many at build time ([`WideTree::new`]): rooms of
-/// 70,000 triangles need below 50. More would only cost clearing it once a job.
+/// seven a level and says how many at build time ([`WideTree::new`]). More
+/// would only cost clearing it once a job.
 const STACK_SIZE: usize = 256;
 
 /// Eight boxes and what is in them: four cache lines, uncompressed.
@@ -200,6 +200,16 @@ fn bits(mut mask: u32) -> impl Iterator<Item = usize> {
     })
 }
 
+/// A ray visits 8.3 nodes and tests 2.2 triangles in a room of 75,000 triangles
+/// (cosine rays from the surface), 9.4 and 3.5 in a bumpy blob; a shadow ray from
+/// a room's camera 4.5 and 0.6.
+///
+/// Tried without a gain beyond noise of 10 %: triangles before the order of
+/// children (medians of five runs 1.82 and 1.84 times obvhs's traversal, this
+/// 1.87 and 1.82), the next child through the stack, prefetching triangles, all
+/// children or the nearest child, and skipping the stores of nodes where no lane
+/// is entered. Random order makes the time one of branches and memory, which is
+/// why AVX2 is only 1.2 times the scalar lanes here.
 #[inline(always)]
 fn closest<L: Lanes>(tree: &WideTree, ray: &RaySetup, stack: &mut Stack) -> Option<Hit> {
     let mut best = Best::none(ray);
@@ -209,6 +219,16 @@ fn closest<L: Lanes>(tree: &WideTree, ray: &RaySetup, stack: &mut Stack) -> Opti
         let (mask, entry, exit) = enter::<L>(node, ray, best.t());
         let entries = entry.store();
         let exits = exit.store();
+        // The nearest child is next, without a detour through the stack.
+        let mut next = NOTHING;
+        let first = waiting;
+        for lane in bits(mask & !node.leaf_mask) {
+            let child = pack(entries[lane], node.children[lane]);
+            if next != NOTHING {
+                push_sorted(stack, first, &mut waiting, next.max(child));
+            }
+            next = next.min(child);
+        }
         for lane in bits(mask & node.leaf_mask) {
             let interval = Interval {
                 entry: entries[lane],
@@ -219,28 +239,22 @@ fn closest<L: Lanes>(tree: &WideTree, ray: &RaySetup, stack: &mut Stack) -> Opti
                 tree.indices[triangle]
             });
         }
-        let first = waiting;
-        for lane in bits(mask & !node.leaf_mask) {
-            push_sorted(
-                stack,
-                first,
-                &mut waiting,
-                entries[lane],
-                node.children[lane],
-            );
-        }
         node = loop {
+            let (entry, index) = unpack(next);
+            if entry <= best.t() {
+                break &tree.nodes[index];
+            }
             if waiting == 0 {
                 return best.hit(ray);
             }
             waiting -= 1;
-            let (entry, index) = unpack(stack[waiting]);
-            if entry <= best.t() {
-                break &tree.nodes[index];
-            }
+            next = stack[waiting];
         };
     }
 }
+
+/// No node: behind all others. As a distance it is NaN, which is not within any.
+const NOTHING: u64 = u64::MAX;
 
 /// Entry distance and node in one number that orders by distance: an entry is
 /// never below 0 nor -0, and such floats order like their bits.
@@ -257,11 +271,10 @@ fn unpack(packed: u64) -> (f32, usize) {
     )
 }
 
-/// Inserts a node among those of its parent, which begin at `first`, so that
-/// the nearest is on top.
+/// Inserts a packed node among those of its parent, which begin at `first`, so
+/// that the nearest is on top.
 #[inline(always)]
-fn push_sorted(stack: &mut Stack, first: usize, waiting: &mut usize, entry: f32, node: u32) {
-    let packed = pack(entry, node);
+fn push_sorted(stack: &mut Stack, first: usize, waiting: &mut usize, packed: u64) {
     let mut place = *waiting;
     while place > first && stack[place - 1] < packed {
         stack[place] = stack[place - 1];

@@ -33,6 +33,8 @@ mod build;
 mod scenes;
 mod second;
 #[cfg(test)]
+mod speed;
+#[cfg(test)]
 mod tests;
 
 pub(crate) use crate::simd::{Hit, Ray};
@@ -81,7 +83,13 @@ impl RayTree {
     }
 }
 
-/// Distance by which [`offset_origin`] moves a point.
+/// Distance by which [`offset_origin`] moves a point. From below: a point from
+/// barycentrics is off its plane by up to 2e-7, corners seen from it by up to
+/// 6e-7 in the triangle test. Of two million rays, half of them within 0.01 of
+/// parallel to their plane, 4126 hit it at an offset of 1e-7, 332 at 2e-7, 43 at
+/// 3e-7, one at 5e-7 and none from 1e-6 on. From above: light leaks past
+/// contacts that are thinner, and shadows start that late; 4e-6 is a thousandth
+/// of a pixel of a 640 pixel wide image of the whole scene.
 const ORIGIN_OFFSET: f32 = 4e-6;
 
 /// Moves a point of a triangle off it, to the side of `toward` (a direction or

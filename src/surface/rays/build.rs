@@ -25,7 +25,23 @@ pub(super) struct BuildSettings {
     pub(super) reinsertion_batch_ratio: f32,
 }
 
-/// The settings of every tree.
+/// The settings of every tree. Million shadow rays a second, million closest hits
+/// (one cosine ray from each of 200,000 surface points) and build time, AVX2 and
+/// one thread, noise about 10 %, by `rays_build`:
+///
+/// | search, threshold, reinsertion | room | blob |
+/// |---|---|---|
+/// | medium, 0, 0.02 | 13.7, 2.4, 80 ms | 2.5, 1.4, 110 ms |
+/// | high, 0, none | 14.0, 2.1, 67 ms | 3.0, 1.4, 121 ms |
+/// | **high, 0, 0.02** | 13.4, 2.1, 69 ms | 3.3, 1.5, 84 ms |
+/// | high, 0, 0.1 | 13.1, 2.1, 91 ms | 3.0, 1.5, 105 ms |
+/// | high, 0, 0.5 | 13.5, 2.2, 185 ms | 3.3, 1.5, 148 ms |
+/// | very high, 0, 0.02 | 12.3, 2.2, 99 ms | 2.6, 1.5, 86 ms |
+/// | high, 2, 0.02 | 13.1, 2.2, 122 ms | 4.0, 1.5, 69 ms |
+/// | low, 2, 0.02 | 12.0, 2.1, 78 ms | 2.6, 1.4, 47 ms |
+///
+/// Once leaves hold one triangle and boxes are exact, the rest is within noise;
+/// a low search distance is the only one that loses on both.
 pub(super) const BUILD: BuildSettings = BuildSettings {
     search_distance: PlocSearchDistance::High,
     search_depth_threshold: 0,

@@ -1,6 +1,6 @@
 //! Triangle lists and rays for tests and measurements.
 
-use super::Ray;
+use super::{Hit, Level, Ray, RayTree, offset_origin};
 use crate::maths::functions::sin_f32;
 use crate::maths::hash::uniform;
 use crate::maths::sampling::{cosine_direction, sphere_direction, uniform_barycentrics};
@@ -149,13 +149,71 @@ pub(super) fn soup(seed: u32, count: usize, size: f32) -> Mesh {
     mesh
 }
 
-/// Shadow rays of a pinhole's pixels: from the surface to a point light, t from
-/// 0 to 1.
-pub(super) fn shadow_rays(mesh: &Mesh, hits: &[(Vec3, Vec3)], light: Vec3) -> Vec<Ray> {
-    debug_assert!(!mesh.triangles.is_empty());
-    hits.iter()
+/// Rays of a pinhole at `eye` that looks at `target`, row by row.
+pub(super) fn pinhole_rays(eye: Vec3, target: Vec3, width: u32, height: u32) -> Vec<Ray> {
+    let forward = (target - eye).normalize();
+    let right = forward.cross(Vec3::Y).normalize();
+    let up = right.cross(forward);
+    let pixel = |i: u32, n: u32| (i as f32 + 0.5) * 2.0 / n as f32 - 1.0;
+    let aspect = width as f32 / height as f32;
+    (0..width * height)
+        .map(|i| Ray {
+            origin: eye,
+            direction: forward + right * (0.7 * aspect * pixel(i % width, width))
+                - up * (0.7 * pixel(i / width, height)),
+            t_max: f32::INFINITY,
+        })
+        .collect()
+}
+
+/// Rays in random directions from `eye`, or from a sphere of its distance
+/// toward points near the middle.
+pub(super) fn scattered_rays(eye: Vec3, inside: bool, count: usize) -> Vec<Ray> {
+    let mut random = Uniforms::new(41);
+    (0..count)
+        .map(|_| {
+            let around = random.direction() * eye.length();
+            let (origin, direction) = if inside {
+                (eye, random.direction())
+            } else {
+                (around, random.point() * 0.6 - around)
+            };
+            Ray {
+                origin,
+                direction,
+                t_max: f32::INFINITY,
+            }
+        })
+        .collect()
+}
+
+/// Where rays hit, with the unit normal on the side they come from.
+pub(super) fn hit_points(mesh: &Mesh, tree: &RayTree, rays: &[Ray]) -> Vec<(Vec3, Vec3)> {
+    let mut hits = vec![None; rays.len()];
+    tree.closest_many(Level::detect(), rays, &mut hits);
+    rays.iter()
+        .zip(hits)
+        .filter_map(|(ray, hit)| {
+            let hit: Hit = hit?;
+            let [a, b, c] = mesh.corners(hit.triangle as usize);
+            let [x, y, z] = hit.barycentrics;
+            let normal = mesh.normal(hit.triangle as usize);
+            let side = if normal.dot(ray.direction) > 0.0 {
+                -normal
+            } else {
+                normal
+            };
+            Some((a * x + b * y + c * z, side))
+        })
+        .collect()
+}
+
+/// Rays from surface points to a point light, t from 0 to 1.
+pub(super) fn shadow_rays(points: &[(Vec3, Vec3)], light: Vec3) -> Vec<Ray> {
+    points
+        .iter()
         .map(|&(point, normal)| {
-            let origin = super::offset_origin(point, normal, light - point);
+            let origin = offset_origin(point, normal, light - point);
             Ray {
                 origin,
                 direction: light - origin,
@@ -165,18 +223,15 @@ pub(super) fn shadow_rays(mesh: &Mesh, hits: &[(Vec3, Vec3)], light: Vec3) -> Ve
         .collect()
 }
 
-/// Cosine-distributed rays from random points of the surface, on the side that
-/// `inward` turns to.
-pub(super) fn cosine_rays(mesh: &Mesh, seed: u32, count: usize, side: f32) -> Vec<Ray> {
+/// A cosine-distributed ray from each surface point.
+pub(super) fn cosine_rays(points: &[(Vec3, Vec3)], seed: u32) -> Vec<Ray> {
     let mut random = Uniforms::new(seed);
-    (0..count)
-        .map(|_| {
-            let triangle = random.below(mesh.triangles.len());
-            let normal = mesh.normal(triangle) * side;
+    points
+        .iter()
+        .map(|&(point, normal)| {
             let direction = cosine_direction(normal, random.pair());
-            let point = mesh.point(triangle, random.pair());
             Ray {
-                origin: super::offset_origin(point, normal, direction),
+                origin: offset_origin(point, normal, direction),
                 direction,
                 t_max: f32::INFINITY,
             }

@@ -1,4 +1,4 @@
-use super::scenes::{Mesh, Uniforms, blob, cosine_rays, room, soup};
+use super::scenes::*;
 use super::*;
 use crate::maths::sampling::cosine_direction;
 use crate::simd::{Best, Corners, Interval, RaySetup};
@@ -164,13 +164,20 @@ fn every_backend_has_the_bits_of_brute_force() {
     }
 }
 
+/// Rays from what is seen from random places.
+fn bounce_rays(mesh: &Mesh, seed: u32, count: usize) -> Vec<Ray> {
+    let tree = RayTree::build(&mesh.positions, &mesh.triangles);
+    let seen = scattered_rays(Vec3::new(0.1, 0.95, 0.2), false, count);
+    cosine_rays(&hit_points(mesh, &tree, &seen), seed)
+}
+
 #[test]
 fn large_scenes_have_the_bits_of_brute_force() {
     for (name, mesh) in [("room", room()), ("blob", blob())] {
         let mut rays = rays_for(&mesh, 11, 64);
-        rays.extend(cosine_rays(&mesh, 12, 64, -1.0));
+        rays.extend(bounce_rays(&mesh, 12, 64));
         let share = assert_same(name, &mesh, &rays);
-        assert!(share > 0.5, "{name}: {share} of the rays hit");
+        assert!(share > 0.2, "{name}: {share} of the rays hit");
     }
 }
 
@@ -180,7 +187,7 @@ fn both_traversals_agree_on_large_scenes() {
     for mesh in [room(), blob()] {
         let tree = RayTree::build(&mesh.positions, &mesh.triangles);
         let mut rays = rays_for(&mesh, 13, 10_000);
-        rays.extend(cosine_rays(&mesh, 14, 20_000, -1.0));
+        rays.extend(bounce_rays(&mesh, 14, 20_000));
         let mut hits = vec![None; rays.len()];
         tree.closest_many(Level::detect(), &rays, &mut hits);
         for (ray, hit) in rays.iter().zip(&hits) {
@@ -339,7 +346,11 @@ fn a_ray_that_leaves_a_surface_does_not_hit_it() {
         for _ in 0..500 {
             let triangle = random.below(mesh.triangles.len());
             let normal = mesh.normal(triangle) * [1.0, -1.0][random.below(2)];
-            let direction = cosine_direction(normal, random.pair());
+            let steep = cosine_direction(normal, random.pair());
+            // Grazing ones are the hard ones, down to parallel to the plane.
+            let along = steep - normal * steep.dot(normal);
+            let height = [0.0, 1e-6, 1e-4, 1e-2][random.below(4)];
+            let direction = [steep, along + normal * height][random.below(2)];
             let point = mesh.point(triangle, random.pair());
             let origin = offset_origin(point, normal, direction);
             let ray = Ray {
