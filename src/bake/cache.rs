@@ -43,6 +43,9 @@ pub(crate) fn load_or_bake(
         match read(path, &key, surface) {
             Ok(Some((bake, file_bytes))) => {
                 surface.add_backs(bake.backs());
+                surface
+                    .vertices
+                    .set_open_points(bake.open_points().to_vec());
                 return Ok(Baked {
                     bake,
                     outcome: CacheOutcome::Hit,

@@ -13,7 +13,7 @@ use super::rows::{Indices, Rows};
 use super::{Bake, BakeStats};
 
 const MAGIC: &[u8; 8] = b"relume\x1ab";
-const FORMAT_VERSION: u32 = 1;
+const FORMAT_VERSION: u32 = 2;
 /// Bytes before the payload: magic, version, key, length, checksum.
 const HEADER: usize = 8 + 4 + 32 + 8 + 32;
 
@@ -82,6 +82,7 @@ fn encode_payload(bake: &Bake) -> Vec<u8> {
     ]);
     out.list(&bake.backs.iter().map(|&b| u8::from(b)).collect::<Vec<_>>());
 
+    out.list(&bake.open_points);
     let basis = bake.basis.lists();
     out.list(basis.vertex_of_slot);
     out.list(&basis.slot_counts);
@@ -125,6 +126,7 @@ fn decode_payload(payload: &[u8]) -> Result<Bake, FileError> {
     };
     let backs: Vec<bool> = input.list::<u8>()?.into_iter().map(|b| b != 0).collect();
 
+    let open_points: Vec<u8> = input.list()?;
     let (members, sizes, counts) = (
         input.list::<u32>()?,
         input.list::<u32>()?,
@@ -133,7 +135,7 @@ fn decode_payload(payload: &[u8]) -> Result<Bake, FileError> {
     let basis = Basis::from_lists(members, &sizes, &counts, input.list::<f32>()?)
         .map_err(FileError::Inconsistent)?;
     let back_count = backs.iter().filter(|&&b| b).count();
-    if backs.len() + back_count != basis.slot_count() {
+    if backs.len() + back_count != basis.slot_count() || open_points.len() != basis.slot_count() {
         return Err(FileError::Inconsistent(
             "sides and vertices of unequal number",
         ));
@@ -161,6 +163,7 @@ fn decode_payload(payload: &[u8]) -> Result<Bake, FileError> {
     if input.rest.is_empty() {
         Ok(Bake {
             backs,
+            open_points,
             basis,
             rows,
             stats,

@@ -58,6 +58,8 @@ const MEAN_EDGE_COST: f32 = 64.0;
 pub(crate) struct Bake {
     /// Which front vertices have a back side.
     backs: Vec<bool>,
+    /// Which points of each vertex's area are in the open, a bit each.
+    open_points: Vec<u8>,
     basis: Basis,
     rows: Rows,
     stats: BakeStats,
@@ -79,6 +81,7 @@ impl Bake {
     fn compute(
         surface: &Surface,
         backs: Vec<bool>,
+        open_points: Vec<u8>,
         settings: &BakeSettings,
         run: &RunSettings,
     ) -> Result<Self, BakeError> {
@@ -92,6 +95,7 @@ impl Bake {
         let (rows, stats) = compressed_rows(surface, settings, run, &basis, &sigma)?;
         Ok(Self {
             backs,
+            open_points,
             basis,
             rows,
             stats,
@@ -106,6 +110,11 @@ impl Bake {
     /// Which front vertices have a back side.
     pub(crate) fn backs(&self) -> &[bool] {
         &self.backs
+    }
+
+    /// Which points of each vertex's area are in the open, a bit each.
+    pub(crate) fn open_points(&self) -> &[u8] {
+        &self.open_points
     }
 
     /// The basis; its slots are the order in which the rows work.
@@ -371,5 +380,7 @@ fn bake(
     run.progress.stage("back sides", 1);
     let backs = surface.visible_backs(run.level);
     surface.add_backs(&backs);
-    Bake::compute(surface, backs, settings, run)
+    let open_points = surface.open_points(run.level);
+    surface.vertices.set_open_points(open_points.clone());
+    Bake::compute(surface, backs, open_points, settings, run)
 }

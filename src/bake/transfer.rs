@@ -62,18 +62,20 @@ impl Scratch {
         entry[lane] += weight;
     }
 
-    /// Takes the entries out, scaled, and leaves the scratch empty.
-    fn drain(&mut self, scale: f32) -> Vec<(u32, [f32; GROUP])> {
+    /// Takes the entries out, scaled lane by lane, and leaves the scratch empty.
+    fn drain(&mut self, scales: &[f32; GROUP]) -> Vec<(u32, [f32; GROUP])> {
         self.touched.sort_unstable();
         self.touched.dedup();
         let dense = &mut self.dense;
         self.touched
             .drain(..)
             .map(|slot| {
-                (
-                    slot,
-                    std::mem::take(&mut dense[slot as usize]).map(|x| x * scale),
-                )
+                let mut weights = std::mem::take(&mut dense[slot as usize]);
+                weights
+                    .iter_mut()
+                    .zip(scales)
+                    .for_each(|(w, scale)| *w *= scale);
+                (slot, weights)
             })
             .filter(|(_, weights)| *weights != [0.0; GROUP])
             .collect()
@@ -86,29 +88,49 @@ pub(crate) fn sample_group(
     receivers: &[u32],
     scratch: &mut Scratch,
 ) -> GroupTransfer {
-    let mut escaped = [0_u32; GROUP];
+    let mut counts = [RayCounts::default(); GROUP];
     for (lane, &vertex) in receivers.iter().enumerate() {
-        escaped[lane] = sample_row(sampling, vertex, lane, scratch);
+        counts[lane] = sample_row(sampling, vertex, lane, scratch);
     }
-    let entries = scratch.drain(1.0 / sampling.rays as f32);
+    let entries = scratch.drain(&counts.map(|count| 1.0 / count.in_the_open(sampling.rays) as f32));
     let mut arrived = [0.0; GROUP];
     for (_, weights) in &entries {
         for lane in 0..GROUP {
             arrived[lane] += f64::from(weights[lane]);
         }
     }
+    let share =
+        |count: RayCounts| f64::from(count.escaped) / f64::from(count.in_the_open(sampling.rays));
     GroupTransfer {
         entries,
         arrived,
-        escaped: escaped.map(|count| f64::from(count) / f64::from(sampling.rays)),
+        escaped: counts.map(share),
     }
 }
 
-/// Adds one receiver's hits to its lane; returns how many rays escaped.
-fn sample_row(sampling: &Sampling, vertex: u32, lane: usize, scratch: &mut Scratch) -> u32 {
+/// What became of a row's rays, apart from arriving.
+#[derive(Debug, Clone, Copy, Default)]
+struct RayCounts {
+    escaped: u32,
+    /// Arrived at the inside of a closed body.
+    inside: u32,
+}
+
+impl RayCounts {
+    /// Rays that count. A vertex at a contact has part of its area inside a
+    /// body; nobody sees that part, so its value is the mean over the rest.
+    /// (With the hidden part counted as black, contacts of boxes and floor
+    /// darkened the Cornell box by 0.4 % in the mean.)
+    fn in_the_open(self, rays: u32) -> u32 {
+        (rays - self.inside).max(1)
+    }
+}
+
+/// Adds one receiver's hits to its lane.
+fn sample_row(sampling: &Sampling, vertex: u32, lane: usize, scratch: &mut Scratch) -> RayCounts {
     let surface = sampling.surface;
     let points = ScrambledSobol::new(SEED, vertex);
-    let mut escaped = 0;
+    let mut counts = RayCounts::default();
     for index in 0..sampling.rays {
         let u = points.point(index);
         let from = surface.sample_point(vertex as usize, [u[0], u[1]]);
@@ -117,17 +139,21 @@ fn sample_row(sampling: &Sampling, vertex: u32, lane: usize, scratch: &mut Scrat
             from.flat_normal,
         );
         let Some(hit) = surface.arrival(sampling.level, &from, direction) else {
-            escaped += 1;
+            counts.escaped += 1;
             continue;
         };
         let corners = surface.vertices.of_triangle(hit.triangle, hit.front);
+        if corners == [NONE; 3] {
+            counts.inside += 1;
+            continue;
+        }
         for (corner, weight) in corners.into_iter().zip(hit.barycentrics) {
             if corner != NONE && weight > 0.0 {
                 scratch.add(sampling.slot_of_vertex[corner as usize], lane, weight);
             }
         }
     }
-    escaped
+    counts
 }
 
 /// Mirrors a direction at the flat triangle if it points below it: the shading

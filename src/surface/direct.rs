@@ -67,7 +67,7 @@ pub(crate) fn irradiance(
 }
 
 /// Fixed points of a vertex's area, the same in every frame.
-fn area_point(surface: &Surface, vertex: usize, index: u32) -> SurfacePoint {
+pub(super) fn area_point(surface: &Surface, vertex: usize, index: u32) -> SurfacePoint {
     surface.sample_point(
         vertex,
         ScrambledSobol::new(SEED, vertex as u32).point2(index),
@@ -75,7 +75,7 @@ fn area_point(surface: &Surface, vertex: usize, index: u32) -> SurfacePoint {
 }
 
 /// Irradiance of one light at every vertex by one point each, W/m2: the first
-/// point of its area.
+/// point of its area that is in the open; zero where none is.
 pub(crate) fn at_vertices_by_one_point(
     surface: &Surface,
     level: Level,
@@ -84,8 +84,17 @@ pub(crate) fn at_vertices_by_one_point(
     (0..surface.vertices.len())
         .into_par_iter()
         .with_min_len(256)
-        .map(|v| irradiance(surface, level, light, &area_point(surface, v, 0)))
+        .map(|v| match open_indices(surface, v).next() {
+            Some(index) => irradiance(surface, level, light, &area_point(surface, v, index)),
+            None => Vec3::ZERO,
+        })
         .collect()
+}
+
+/// Numbers of a vertex's area points that are in the open, ascending.
+fn open_indices(surface: &Surface, vertex: usize) -> impl Iterator<Item = u32> {
+    let open = surface.vertices.open_points(vertex);
+    (0..AREA_POINTS).filter(move |index| open >> index & 1 == 1)
 }
 
 /// Irradiance of one light averaged over every vertex's area, W/m2.
@@ -116,9 +125,14 @@ fn area_mean(
     vertex: usize,
     first: Vec3,
 ) -> Vec3 {
-    let rest = (1..AREA_POINTS)
-        .map(|k| irradiance(surface, level, light, &area_point(surface, vertex, k)));
-    rest.fold(first, |sum, e| sum + e) / AREA_POINTS as f32
+    let rest = open_indices(surface, vertex).skip(1);
+    let (count, sum) = rest.fold((1, first), |(count, sum), index| {
+        (
+            count + 1,
+            sum + irradiance(surface, level, light, &area_point(surface, vertex, index)),
+        )
+    });
+    sum / count as f32
 }
 
 /// Marks vertices of triangles whose corners differ by more than

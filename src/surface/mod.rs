@@ -81,6 +81,12 @@ impl Surface {
         sides::visible_backs(self, level)
     }
 
+    /// Per vertex of both sides, the points of its area that are not inside a
+    /// closed body, a bit each.
+    pub(crate) fn open_points(&self, level: Level) -> Vec<u8> {
+        sides::open_points(self, level)
+    }
+
     /// Gives the marked front vertices a back side.
     pub(crate) fn add_backs(&mut self, wanted: &[bool]) {
         self.vertices.add_backs(wanted);

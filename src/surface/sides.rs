@@ -4,7 +4,7 @@
 
 use rayon::prelude::*;
 
-use super::{Surface, SurfacePoint};
+use super::{NONE, Surface, SurfacePoint, direct};
 use crate::maths::sampling::cosine_direction;
 use crate::maths::sobol::ScrambledSobol;
 use crate::simd::Level;
@@ -14,6 +14,8 @@ use crate::simd::Level;
 const PILOT_RAYS: u32 = 64;
 /// Rays from a vertex's front, only in scenes whose backs see nothing.
 const FRONT_PILOT_RAYS: u32 = 8;
+/// Rays from each point of a vertex's area that tell whether it is in the open.
+const OPEN_RAYS: u32 = 4;
 /// Seed of the pilot rays, apart from the transfer's.
 const SEED: u32 = 0x51de;
 
@@ -39,6 +41,33 @@ pub(super) fn visible_backs(surface: &Surface, level: Level) -> Vec<bool> {
         }
     }
     wanted
+}
+
+/// Per vertex, the points of its area (a bit each, see
+/// [`direct::AREA_POINTS`]) that are not inside a closed body: light that
+/// reaches the others is seen by nobody. Needs the back sides.
+pub(super) fn open_points(surface: &Surface, level: Level) -> Vec<u8> {
+    let is_inside = |point: &SurfacePoint, vertex: usize, index: u32| {
+        let set = ScrambledSobol::new(SEED ^ index, vertex as u32);
+        let meets_inside = |k: &u32| {
+            let direction = cosine_direction(point.flat_normal, set.point2(*k));
+            let hit = surface.arrival(level, point, direction);
+            hit.is_some_and(|hit| {
+                surface.vertices.of_triangle(hit.triangle, hit.front) == [NONE; 3]
+            })
+        };
+        2 * (0..OPEN_RAYS).filter(meets_inside).count() > OPEN_RAYS as usize
+    };
+    (0..surface.vertices.len())
+        .into_par_iter()
+        .map(|vertex| {
+            (0..direct::AREA_POINTS)
+                .filter(|&index| {
+                    !is_inside(&direct::area_point(surface, vertex, index), vertex, index)
+                })
+                .fold(0, |bits, index| bits | 1 << index)
+        })
+        .collect()
 }
 
 fn back_sees(surface: &Surface, level: Level, vertex: usize) -> bool {

@@ -46,6 +46,8 @@ pub(crate) struct LightingVertices {
     materials: Vec<u32>,
     fan_offsets: Vec<u32>,
     fans: Vec<FanTriangle>,
+    /// Which points of each vertex's area are in the open, a bit each.
+    open_points: Vec<u8>,
     /// The front vertex of each back vertex, ascending.
     front_of_back: Vec<u32>,
     front_count: usize,
@@ -182,6 +184,7 @@ impl LightingVertices {
         }
         vertices.fan_offsets.push(vertices.fans.len() as u32);
         vertices.front_count = vertices.positions.len();
+        vertices.open_points = vec![u8::MAX; vertices.front_count];
         vertices.backs = vec![[NONE; 3]; mesh.triangles.len()];
         vertices
     }
@@ -196,11 +199,23 @@ impl LightingVertices {
             self.normals.push(-self.normals[front]);
             self.areas.push(self.areas[front]);
             self.materials.push(self.materials[front]);
+            self.open_points.push(u8::MAX);
             self.front_of_back.push(front as u32);
         }
         for (back, front) in self.backs.iter_mut().zip(&self.fronts) {
             *back = front.map(|v| back_of[v as usize]);
         }
+    }
+
+    /// Says which points of each vertex's area are in the open.
+    pub(crate) fn set_open_points(&mut self, open_points: Vec<u8>) {
+        assert_eq!(open_points.len(), self.len(), "one set of points a vertex");
+        self.open_points = open_points;
+    }
+
+    /// The points of a vertex's area that are in the open, a bit each.
+    pub(crate) fn open_points(&self, vertex: usize) -> u8 {
+        self.open_points[vertex]
     }
 
     pub(crate) fn len(&self) -> usize {

@@ -4,9 +4,9 @@ use glam::{DVec3, Vec3};
 
 use super::centers::fragment_by_brute_force;
 use super::samples::SAMPLE_COUNT;
+use super::samples::SAMPLE_OFFSETS;
 use super::screen::Screen;
 use super::triangle::TriangleSetup;
-use super::samples::SAMPLE_OFFSETS;
 use super::*;
 use crate::maths::hash::{hash3, uniform};
 use crate::scene::{Camera, PlacedCamera, Placement};
