@@ -8,7 +8,7 @@
 
 use glam::Vec3;
 
-use crate::maths::sampling::cosine_direction;
+use crate::maths::sampling::{cosine_direction, mirrored_above};
 use crate::maths::sobol::ScrambledSobol;
 use crate::simd::Level;
 use crate::surface::{NONE, Surface};
@@ -134,7 +134,7 @@ fn sample_row(sampling: &Sampling, vertex: u32, lane: usize, scratch: &mut Scrat
     for index in 0..sampling.rays {
         let u = points.point(index);
         let from = surface.sample_point(vertex as usize, [u[0], u[1]]);
-        let direction = above(
+        let direction = mirrored_above(
             cosine_direction(from.normal, [u[2], u[3]]),
             from.flat_normal,
         );
@@ -154,15 +154,4 @@ fn sample_row(sampling: &Sampling, vertex: u32, lane: usize, scratch: &mut Scrat
         }
     }
     counts
-}
-
-/// Mirrors a direction at the flat triangle if it points below it: the shading
-/// normal's hemisphere reaches there, and the row keeps its sum.
-fn above(direction: Vec3, flat_normal: Vec3) -> Vec3 {
-    let height = direction.dot(flat_normal);
-    if height < 0.0 {
-        direction - flat_normal * (2.0 * height)
-    } else {
-        direction
-    }
 }

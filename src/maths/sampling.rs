@@ -38,28 +38,18 @@ pub(crate) fn sphere_direction(u: [f32; 2]) -> Vec3 {
     Vec3::new(radius * cos_f32(angle), radius * sin_f32(angle), z)
 }
 
-/// Barycentric coordinates with density proportional to the first one, i.e.
-/// Dirichlet(2, 1, 1): three uniforms are sorted, the gaps g0..g3 between them
-/// and the ends give (g0 + g1, g2, g3).
-pub(crate) fn hat_barycentrics(u: [f32; 3]) -> [f32; 3] {
-    let [mut a, mut b, mut c] = u;
-    if b < a {
-        (a, b) = (b, a);
+/// Mirrors a direction at the plane of a unit normal if it points below it.
+///
+/// About a tilted shading normal some directions lead through the flat
+/// triangle; nothing arrives from there. Mirrored, they keep the energy: a
+/// row of the transfer still sums to 1, a path goes on.
+pub(crate) fn mirrored_above(direction: Vec3, flat_normal: Vec3) -> Vec3 {
+    let height = direction.dot(flat_normal);
+    if height < 0.0 {
+        direction - flat_normal * (2.0 * height)
+    } else {
+        direction
     }
-    if c < b {
-        (b, c) = (c, b);
-    }
-    if b < a {
-        (a, b) = (b, a);
-    }
-    debug_assert!(a <= b && b <= c, "three numbers sorted by three exchanges");
-    [b, c - b, 1.0 - c]
-}
-
-/// Barycentric coordinates uniform over the triangle, from two uniforms.
-pub(crate) fn uniform_barycentrics(u: [f32; 2]) -> [f32; 3] {
-    let root = u[0].sqrt();
-    [1.0 - root, root * (1.0 - u[1]), root * u[1]]
 }
 
 /// Index of the interval of a running sum that holds `u` x total.
@@ -89,24 +79,6 @@ mod tests {
                 t.dot(b).abs() < 1e-6 && t.dot(v).abs() < 1e-6 && (t.cross(b) - v).length() < 1e-6
             );
         }
-    }
-
-    #[test]
-    fn hat_density_has_the_first_moment_of_dirichlet_2_1_1() {
-        let set = ScrambledSobol::new(3, 1);
-        let mut mean = [0.0_f64; 3];
-        for i in 0..4096 {
-            let p = set.point(i);
-            let l = hat_barycentrics([p[0], p[1], p[2]]);
-            assert!((l[0] + l[1] + l[2] - 1.0).abs() < 1e-6);
-            for k in 0..3 {
-                mean[k] += f64::from(l[k]) / 4096.0;
-            }
-        }
-        assert!(
-            (mean[0] - 0.5).abs() < 2e-3 && (mean[1] - 0.25).abs() < 2e-3,
-            "{mean:?}"
-        );
     }
 
     #[test]

@@ -12,7 +12,7 @@ use rayon::prelude::*;
 use crate::bake::RunSettings;
 use crate::frame::Image;
 use crate::maths::hash::{hash3, uniform};
-use crate::maths::sampling::cosine_direction;
+use crate::maths::sampling::{cosine_direction, mirrored_above};
 use crate::maths::sobol::ScrambledSobol;
 use crate::scene::{Bounces, Camera, PlacedCamera, PlacedLight, Scene, max_component};
 use crate::simd::Level;
@@ -165,10 +165,9 @@ impl Tracer<'_> {
             } else {
                 [0, 1].map(|d| uniform(path, bounce, d))
             };
-            direction = cosine_direction(vertex.point.normal, u);
-            if direction.dot(vertex.point.flat_normal) <= 0.0
-                || !self.survives(&mut throughput, bounce, path)
-            {
+            let about_normal = cosine_direction(vertex.point.normal, u);
+            direction = mirrored_above(about_normal, vertex.point.flat_normal);
+            if !self.survives(&mut throughput, bounce, path) {
                 break;
             }
             origin = crate::surface::offset_origin(
