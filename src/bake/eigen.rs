@@ -93,12 +93,20 @@ pub(crate) enum EigenError {
 #[derive(Debug, Clone)]
 pub(crate) struct Eigenpairs {
     /// Eigenvalues, ascending.
+    #[cfg_attr(
+        not(test),
+        expect(dead_code, reason = "what tests compare with closed forms")
+    )]
     pub(crate) values: Vec<f64>,
     /// Column k is the eigenvector of `values[k]`: row-major, rows of the
     /// Laplacian x number of values. Orthonormal; the entry of largest absolute
     /// value of each is positive.
     pub(crate) vectors: Vec<f64>,
     /// Largest |L v - lambda v|.
+    #[cfg_attr(
+        not(test),
+        expect(dead_code, reason = "checked before it is returned, and by tests")
+    )]
     pub(crate) residual: f64,
 }
 

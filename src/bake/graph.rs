@@ -77,6 +77,7 @@ impl VertexGraph {
         self.offsets.len() - 1
     }
 
+    #[cfg(test)]
     /// Number of undirected edges.
     pub(crate) fn edge_count(&self) -> usize {
         self.neighbours.len() / 2

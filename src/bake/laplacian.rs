@@ -31,6 +31,7 @@ impl Laplacian {
         }))
     }
 
+    #[cfg(test)]
     /// Laplacian of a whole graph.
     pub(crate) fn of_graph(graph: &VertexGraph) -> Self {
         let vertices = 0..graph.vertex_count() as u32;

@@ -102,11 +102,6 @@ impl Bake {
         })
     }
 
-    /// Number of lighting vertices.
-    pub(crate) fn vertex_count(&self) -> usize {
-        self.basis.slot_count()
-    }
-
     /// Which front vertices have a back side.
     pub(crate) fn backs(&self) -> &[bool] {
         &self.backs

@@ -6,8 +6,6 @@
 //! corners. Rows sum to at most 1 by construction, corners and contacts need no
 //! special case, and nothing divides by a squared distance.
 
-use glam::Vec3;
-
 use crate::maths::sampling::{cosine_direction, mirrored_above};
 use crate::maths::sobol::ScrambledSobol;
 use crate::simd::Level;

@@ -4,23 +4,26 @@
 //! the standard library).
 
 /// Sine of `x` radians.
+#[cfg(test)]
 pub(crate) fn sin(x: f64) -> f64 {
     libm::sin(x)
 }
 
 /// Cosine of `x` radians.
+#[cfg(test)]
 pub(crate) fn cos(x: f64) -> f64 {
     libm::cos(x)
+}
+
+/// Arc cosine in radians, 0 to pi.
+#[cfg(test)]
+pub(crate) fn acos(x: f64) -> f64 {
+    libm::acos(x)
 }
 
 /// Tangent of `x` radians.
 pub(crate) fn tan(x: f64) -> f64 {
     libm::tan(x)
-}
-
-/// Arc cosine in radians, 0 to pi; the argument is clamped to -1..1.
-pub(crate) fn acos(x: f64) -> f64 {
-    libm::acos(x.clamp(-1.0, 1.0))
 }
 
 /// e to the power of `x`.

@@ -15,7 +15,6 @@ mod shade;
 mod stages;
 
 pub use bounces::BounceError;
-pub(crate) use bounces::Transport;
 pub use component::{COMPONENTS, Component};
 pub use renderer::{
     BakeFigures, Frame, FrameSettings, RenderError, Renderer, SceneFigures, develop,

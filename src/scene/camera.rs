@@ -66,9 +66,4 @@ impl PlacedCamera {
             .normalize()
             .as_vec3()
     }
-
-    /// Distance along the view axis of a placed point.
-    pub(crate) fn depth(&self, point: Vec3) -> f64 {
-        (point.as_dvec3() - self.eye).dot(self.forward)
-    }
 }

@@ -11,14 +11,14 @@
 )]
 
 mod lanes;
-mod ray;
+pub(crate) mod ray;
 pub(crate) mod rows;
 mod traverse;
-mod triangle;
+pub(crate) mod triangle;
 
-pub(crate) use ray::{Hit, Ray, RaySetup};
+pub(crate) use ray::{Hit, Ray};
 pub(crate) use traverse::{CHILDREN, LEAF, WideNode, WideTree};
-pub(crate) use triangle::{Best, Corners, Interval, hits};
+pub(crate) use triangle::Corners;
 
 /// Instruction set of the kernels. It changes the speed, never the bits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]

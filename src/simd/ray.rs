@@ -86,11 +86,13 @@ impl RaySetup {
         }
     }
 
+    #[cfg(test)]
     /// The origin after it was moved near the scene.
     pub(crate) fn origin(&self) -> Vec3 {
         Vec3::from_array(self.origin)
     }
 
+    #[cfg(test)]
     /// The largest distance, from the moved origin.
     pub(crate) fn t_max(&self) -> f32 {
         self.t_max

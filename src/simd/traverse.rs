@@ -115,11 +115,13 @@ impl WideTree {
         })
     }
 
+    #[cfg(test)]
     /// Triangles in tree order.
     pub(crate) fn corners(&self) -> &[Corners] {
         &self.corners
     }
 
+    #[cfg(test)]
     /// The caller's index of each triangle in tree order.
     pub(crate) fn indices(&self) -> &[u32] {
         &self.indices

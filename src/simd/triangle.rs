@@ -62,6 +62,7 @@ pub(crate) struct Interval {
 }
 
 impl Interval {
+    #[cfg(test)]
     /// When `ray` is inside the padded box of a triangle.
     #[inline(always)]
     pub(crate) fn of_triangle(ray: &RaySetup, corners: &Corners) -> Option<Self> {

@@ -88,7 +88,7 @@ impl LightingMesh {
                 let corners = piece.map(|c| welder.weld(c.position));
                 let area_normal = area_normal(piece.map(|c| c.position));
                 let length = area_normal.length();
-                if !(length > 0.0)
+                if length <= 0.0
                     || corners[0] == corners[1]
                     || corners[1] == corners[2]
                     || corners[2] == corners[0]

@@ -15,8 +15,8 @@ mod tessellate;
 mod vertices;
 
 pub(crate) use detail::Detail;
-pub(crate) use mesh::{LightingMesh, NONE, SurfaceTriangle};
-pub(crate) use rays::{Hit, Ray, RayTree, offset_origin};
+pub(crate) use mesh::{LightingMesh, NONE};
+pub(crate) use rays::{Ray, RayTree, offset_origin};
 pub(crate) use vertices::{LightingVertices, MeshEdge, SurfacePoint};
 
 use glam::Vec3;

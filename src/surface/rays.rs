@@ -31,6 +31,7 @@
 mod build;
 #[cfg(test)]
 mod scenes;
+#[cfg(test)]
 mod second;
 #[cfg(test)]
 mod speed;
@@ -40,14 +41,14 @@ mod tests;
 pub(crate) use crate::simd::{Hit, Ray};
 use crate::simd::{Level, WideTree};
 use glam::Vec3;
-use obvhs::cwbvh::CwBvh;
 
 /// A tree over triangles: the closest hit and occlusion of rays.
 #[derive(Debug)]
 pub(crate) struct RayTree {
     wide: WideTree,
     /// The same tree as obvhs made it. Its `primitive_indices` are `wide`'s.
-    compressed: CwBvh,
+    #[cfg(test)]
+    compressed: obvhs::cwbvh::CwBvh,
 }
 
 impl RayTree {

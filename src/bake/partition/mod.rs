@@ -70,6 +70,7 @@ impl Partition {
         self.members.len()
     }
 
+    #[cfg(test)]
     /// Number of vertices.
     pub(crate) fn vertex_count(&self) -> usize {
         self.part_of.len()
@@ -85,6 +86,7 @@ impl Partition {
         &self.members[part]
     }
 
+    #[cfg(test)]
     /// Number of edges between different parts.
     pub(crate) fn edge_cut(&self, graph: &VertexGraph) -> usize {
         let vertices = 0..self.vertex_count() as u32;

@@ -2,7 +2,6 @@
 //! its boxes are computed anew, exactly.
 
 use super::RayTree;
-use super::second::obvhs_box;
 use crate::simd::{CHILDREN, Corners, LEAF, WideNode, WideTree};
 use glam::Vec3;
 use obvhs::aabb::Aabb;
@@ -52,6 +51,11 @@ pub(super) const BUILD: BuildSettings = BuildSettings {
 /// the lane's interval serves the triangle test.
 const TRIANGLES_PER_LEAF: u32 = 1;
 
+/// Added on each side of the boxes that obvhs gets. Its box test moves a plane
+/// by up to four roundings of numbers up to 4 (1e-6), the moved and scaled ray
+/// by two more (5e-7), the inverse of small components by 5e-7.
+const OBVHS_PADDING: f32 = 4e-6;
+
 /// Levels of a tree of obvhs: its traversal stack has room for 32 and
 /// overwrites silently beyond, and its conversion recurses.
 const LEVELS_AT_MOST: usize = 32;
@@ -63,6 +67,17 @@ const BINARY_LEVELS_AT_MOST: usize = 200;
 /// of equals prefers the same one of its neighbours, so n equals take n passes
 /// and make a chain of n levels.
 const EQUALS_AT_MOST: usize = 64;
+
+#[allow(
+    clippy::disallowed_types,
+    reason = "obvhs takes Vec3A; only the tree's shape depends on it, no hit does"
+)]
+/// The box of a triangle for obvhs.
+fn obvhs_box(corners: &Corners) -> Aabb {
+    let [x, y, z] = corners.padded_box();
+    let bound = |side: usize| glam::Vec3A::new(x[side], y[side], z[side]);
+    Aabb::new(bound(0) - OBVHS_PADDING, bound(1) + OBVHS_PADDING)
+}
 
 pub(super) fn build(positions: &[Vec3], triangles: &[[u32; 3]]) -> RayTree {
     build_with(positions, triangles, BUILD)
@@ -99,7 +114,11 @@ fn convert(binary: &Bvh2, corners: &[Corners]) -> Option<RayTree> {
     let in_order = |&triangle: &u32| corners[triangle as usize];
     let corners = compressed.primitive_indices.iter().map(in_order).collect();
     let wide = widen(&compressed, corners)?;
-    Some(RayTree { wide, compressed })
+    Some(RayTree {
+        wide,
+        #[cfg(test)]
+        compressed,
+    })
 }
 
 /// PLOC and reinsertion, or none for input that would make it a chain.

@@ -3,7 +3,7 @@
 use super::{Hit, Level, Ray, RayTree, offset_origin};
 use crate::maths::functions::sin_f32;
 use crate::maths::hash::uniform;
-use crate::maths::sampling::{cosine_direction, sphere_direction, uniform_barycentrics};
+use crate::maths::sampling::{cosine_direction, sphere_direction};
 use glam::Vec3;
 
 /// A list of triangles.
@@ -27,7 +27,8 @@ impl Mesh {
     /// A point of a triangle from its barycentrics in f32, as a renderer has it.
     pub(super) fn point(&self, triangle: usize, u: [f32; 2]) -> Vec3 {
         let [a, b, c] = self.corners(triangle);
-        let [x, y, z] = uniform_barycentrics(u);
+        let root = u[0].sqrt();
+        let [x, y, z] = [1.0 - root, root * (1.0 - u[1]), root * u[1]];
         a * x + b * y + c * z
     }
 

@@ -12,15 +12,10 @@
 )]
 
 use super::{Hit, Ray, RayTree};
-use crate::simd::{Best, Corners, Interval, RaySetup, hits};
+use crate::simd::ray::RaySetup;
+use crate::simd::triangle::{Best, Interval, hits};
 use glam::Vec3A;
-use obvhs::aabb::Aabb;
 use obvhs::ray::RayHit;
-
-/// Added on each side of the boxes that obvhs gets. Its box test moves a plane
-/// by up to four roundings of numbers up to 4 (1e-6), the moved and scaled ray
-/// by two more (5e-7), the inverse of small components by 5e-7.
-const OBVHS_PADDING: f32 = 4e-6;
 
 /// How far before our origin obvhs's ray begins: beyond its minimum of 1e-4.
 const BACKSTEP: f64 = 1e-3;
@@ -28,13 +23,6 @@ const BACKSTEP: f64 = 1e-3;
 /// Added to a distance at which obvhs may stop looking; covers the roundings of
 /// its distances, which are at most 6 here.
 const DISTANCE_SLACK: f64 = 1e-5;
-
-/// The box of a triangle for obvhs.
-pub(super) fn obvhs_box(corners: &Corners) -> Aabb {
-    let [x, y, z] = corners.padded_box();
-    let bound = |side: usize| Vec3A::new(x[side], y[side], z[side]);
-    Aabb::new(bound(0) - OBVHS_PADDING, bound(1) + OBVHS_PADDING)
-}
 
 /// Distances of obvhs's ray: (t x length) + backstep.
 struct Scale {

@@ -1,7 +1,9 @@
 use super::scenes::*;
 use super::*;
 use crate::maths::sampling::cosine_direction;
-use crate::simd::{Best, Corners, Interval, RaySetup};
+use crate::simd::Corners;
+use crate::simd::ray::RaySetup;
+use crate::simd::triangle::{Best, Interval};
 
 const LEVELS: [Level; 3] = [Level::Scalar, Level::Sse2, Level::Avx2];
 
