@@ -1,7 +1,7 @@
 //! The lighting mesh: pieces of the file's triangles with welded corners, and
 //! what lies on the two sides of every edge.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use glam::Vec3;
 
@@ -24,6 +24,8 @@ pub(crate) struct SurfaceTriangle {
     pub(crate) area: f32,
     /// Index of the material.
     pub(crate) material: u32,
+    /// Index of the file's triangle that this is a piece of.
+    pub(crate) source: u32,
 }
 
 /// Triangles whose corners at equal positions are one and the same.
@@ -34,6 +36,9 @@ pub(crate) struct LightingMesh {
     pub(crate) triangles: Vec<SurfaceTriangle>,
     /// Triangles dropped because they have no area in single precision.
     pub(crate) dropped: usize,
+    /// Triangles dropped because an earlier one has the same corners: of two
+    /// hits at one distance the first triangle's counts, so they are never seen.
+    pub(crate) duplicates: usize,
 }
 
 /// One triangle's use of an undirected edge.
@@ -81,8 +86,13 @@ impl LightingMesh {
             .collect();
         let mut welder = Welder::default();
         let mut mesh = Self::default();
-        for triangle in &scene.mesh.triangles {
+        let mut seen = HashSet::new();
+        for (source, triangle) in scene.mesh.triangles.iter().enumerate() {
             let corners = triangle.corners.map(|c| placed[c as usize]);
+            if !seen.insert(sorted_bits(corners)) {
+                mesh.duplicates += 1;
+                continue;
+            }
             let normals = source_normals(scene, triangle);
             tessellate(corners, max_edge, &mut |piece| {
                 let corners = piece.map(|c| welder.weld(c.position));
@@ -106,6 +116,7 @@ impl LightingMesh {
                     flat_normal,
                     area: 0.5 * length,
                     material: triangle.material,
+                    source: source as u32,
                 });
             });
         }
@@ -142,6 +153,13 @@ impl SurfaceTriangle {
         let k = usize::from(first);
         [self.corners[k], self.corners[(k + 1) % 3]]
     }
+}
+
+/// The corners whatever their order.
+fn sorted_bits(corners: [Vec3; 3]) -> [[u32; 3]; 3] {
+    let mut bits = corners.map(|c| (c + Vec3::ZERO).to_array().map(f32::to_bits));
+    bits.sort_unstable();
+    bits
 }
 
 /// Normal of a flat triangle, of twice its area's length. Summed in double

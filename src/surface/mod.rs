@@ -63,6 +63,12 @@ impl Surface {
                 mesh.dropped
             ));
         }
+        if mesh.duplicates > 0 {
+            warnings.push(format!(
+                "{} triangles have the corners of an earlier one and are left out",
+                mesh.duplicates
+            ));
+        }
         warnings.extend(t_junctions::report(&mesh, &joints.edges, &placement));
         Self {
             placement,

@@ -84,22 +84,16 @@ pub(crate) fn join(mesh: &LightingMesh) -> Joints {
     let mut patches = Forest::new(mesh.triangles.len());
     let mut edges = Vec::new();
     for sides in mesh.edge_sides().chunk_by(|a, b| a.corners == b.corners) {
-        let smooth = match sides {
-            [a, b] => join_pair(mesh, *a, *b, &mut corners),
-            _ => false,
-        };
-        let second = if let [a, b] = sides {
-            if smooth {
-                patches.join(a.triangle, b.triangle);
+        for_pairs(mesh, sides, |first, second| {
+            let smooth = second.is_some_and(|second| join_pair(mesh, first, second, &mut corners));
+            if let (true, Some(second)) = (smooth, second) {
+                patches.join(first.triangle, second.triangle);
             }
-            b.triangle
-        } else {
-            NONE
-        };
-        edges.push(MeshEdge {
-            corners: sides[0].corners,
-            triangles: [sides[0].triangle, second],
-            crease: !smooth,
+            edges.push(MeshEdge {
+                corners: first.corners,
+                triangles: [first.triangle, second.map_or(NONE, |side| side.triangle)],
+                crease: !smooth,
+            });
         });
     }
     Joints {
@@ -110,6 +104,33 @@ pub(crate) fn join(mesh: &LightingMesh) -> Joints {
         groups: (0..mesh.triangles.len() as u32 * 3)
             .map(|c| corners.root(c))
             .collect(),
+    }
+}
+
+/// Pairs the triangles on one edge. Two belong together. Of more (surfaces
+/// that touch, or lie in one another), two pieces of one source triangle do,
+/// and two that are left over; others stand alone.
+fn for_pairs(
+    mesh: &LightingMesh,
+    sides: &[EdgeSide],
+    mut take: impl FnMut(EdgeSide, Option<EdgeSide>),
+) {
+    if let [first, second] = sides {
+        return take(*first, Some(*second));
+    }
+    let source = |side: &EdgeSide| mesh.triangles[side.triangle as usize].source;
+    let mut by_source = sides.to_vec();
+    by_source.sort_by_key(|side| (source(side), side.triangle));
+    let mut alone = Vec::new();
+    for same in by_source.chunk_by(|a, b| source(a) == source(b)) {
+        match same {
+            [first, second] => take(*first, Some(*second)),
+            others => alone.extend_from_slice(others),
+        }
+    }
+    match alone.as_slice() {
+        [first, second] => take(*first, Some(*second)),
+        others => others.iter().for_each(|side| take(*side, None)),
     }
 }
 
