@@ -65,10 +65,12 @@ pub(super) struct Diff {
     pub(super) candidate: PathBuf,
     /// Largest difference of a channel that passes: levels of 255 for PNG,
     /// linear values for EXR.
-    #[arg(long, default_value_t = 0.0, value_name = "X", value_parser = parse_limit)]
+    #[arg(long, default_value_t = 0.0, value_name = "X", value_parser = parse_limit,
+          allow_negative_numbers = true)]
     pub(super) max_channel_difference: f64,
     /// Pixels that may differ by more than that: a number, or a share as in 0.5%.
-    #[arg(long, default_value = "0", value_name = "N|P%", value_parser = parse_pixel_limit)]
+    #[arg(long, default_value = "0", value_name = "N|P%", value_parser = parse_pixel_limit,
+          allow_negative_numbers = true)]
     pub(super) max_differing_pixels: PixelLimit,
     #[command(flatten)]
     pub(super) run: Run,
@@ -114,7 +116,7 @@ pub(super) struct ViewArguments {
     #[arg(long, value_parser = parse_size, value_name = "WxH")]
     pub(super) size: Option<Size>,
     /// Indirect bounces, instead of the scene's.
-    #[arg(long, value_parser = parse_bounces, value_name = "N|all")]
+    #[arg(long, value_parser = parse_bounces, value_name = "N|all", allow_negative_numbers = true)]
     pub(super) bounces: Option<Bounces>,
 }
 
@@ -153,6 +155,8 @@ pub(super) enum PixelLimit {
 
 /// Longest side of a picture, pixels.
 const LARGEST_SIDE: u32 = 16_384;
+/// Most bounces by number, as in the scene file.
+const MOST_BOUNCES: u32 = 10_000;
 
 fn parse_size(text: &str) -> Result<Size, String> {
     let problem = || format!("a size is WxH with 1 to {LARGEST_SIDE} pixels each, such as 320x240");
@@ -174,8 +178,10 @@ fn parse_bounces(text: &str) -> Result<Bounces, String> {
         "all" => Ok(Bounces::All),
         number => number
             .parse()
+            .ok()
+            .filter(|&count| count <= MOST_BOUNCES)
             .map(Bounces::Count)
-            .map_err(|_| "bounces are a number from 0 or \"all\"".to_owned()),
+            .ok_or_else(|| format!("bounces are a number from 0 to {MOST_BOUNCES}, or \"all\"")),
     }
 }
 

@@ -1,6 +1,6 @@
 //! `relume diff`: how far one image is from another.
 
-use relume::{Difference, LoadedImage, compare, count_beyond, read_image};
+use relume::{Difference, LoadedImage, SizeMismatch, compare, count_beyond, read_image};
 use serde_json::json;
 
 use super::args::{Diff, PixelLimit};
@@ -20,7 +20,10 @@ pub(super) fn execute(arguments: &Diff) -> Result<Report, CliError> {
         ));
     }
     let (a_values, b_values) = (reference.values(), candidate.values());
-    let values = compare(a_values, b_values)?;
+    let values = match compare(a_values, b_values) {
+        Ok(values) => values,
+        Err(mismatch) => return Ok(of_other_size(mismatch)),
+    };
     let (a, b) = (reference.to_linear(), candidate.to_linear());
     let linear = compare(&a, &b)?;
     let blocks = compare(&a.block_means(BLOCK), &b.block_means(BLOCK))?;
@@ -47,6 +50,19 @@ pub(super) fn execute(arguments: &Diff) -> Result<Report, CliError> {
         text: text(passes, &values, &linear, &blocks, pixel_count),
         exit_code: u8::from(!passes),
     })
+}
+
+/// Images of unequal size are different images, not wrong usage.
+fn of_other_size(mismatch: SizeMismatch) -> Report {
+    Report {
+        json: json!({
+            "passes": false,
+            "reference_size": mismatch.reference,
+            "candidate_size": mismatch.candidate,
+        }),
+        text: format!("different: {mismatch}"),
+        exit_code: 1,
+    }
 }
 
 fn text(

@@ -1,7 +1,10 @@
 //! `relume render`: one frame.
 
+use std::path::Path;
+
 use relume::{
-    Component, Frame, FrameSettings, Picture, Renderer, Scene, check_format, write_picture,
+    Component, Frame, FrameSettings, OutputError, Picture, Renderer, Scene, check_format,
+    write_picture,
 };
 use serde_json::json;
 
@@ -44,12 +47,24 @@ pub(super) fn execute(arguments: &Render) -> Result<Report, CliError> {
     ))
 }
 
-/// Refuses formats before a long job, not after it.
+/// Refuses unknown formats and missing folders before a long job, not after it.
 pub(super) fn check_outputs(view: &ViewArguments) -> Result<(), CliError> {
-    view.output
-        .iter()
-        .try_for_each(|path| check_format(path))
-        .map_err(CliError::from)
+    view.output.iter().try_for_each(|path| {
+        check_format(path)?;
+        check_folder(path)?;
+        Ok(())
+    })
+}
+
+fn check_folder(path: &Path) -> Result<(), OutputError> {
+    let folder = path.parent().filter(|f| !f.as_os_str().is_empty());
+    match folder.map(std::fs::metadata) {
+        Some(Err(source)) => Err(OutputError::Write {
+            path: path.to_owned(),
+            source,
+        }),
+        _ => Ok(()),
+    }
 }
 
 /// Size and bounces of the command line, where given.

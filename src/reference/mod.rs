@@ -73,10 +73,8 @@ pub fn trace(scene: &Scene, settings: &ReferenceSettings, run: &RunSettings) -> 
     let rows: Vec<Vec<[Vec3; 2]>> = (0..height)
         .into_par_iter()
         .map(|y| {
-            if run.progress.cancelled() {
-                return None;
-            }
-            let row = (0..width).map(|x| tracer.pixel(x, y)).collect();
+            let pixel = |x| (!run.progress.cancelled()).then(|| tracer.pixel(x, y));
+            let row = (0..width).map(pixel).collect::<Option<_>>()?;
             run.progress.advance(1);
             Some(row)
         })

@@ -4,7 +4,8 @@
 //! Surfaces are shaded once a pixel, at the pixel's centre where the pixel is
 //! uniform, else once for each surface in it, weighted by coverage. A light
 //! whose visibility differs within a pixel's 3 x 3 neighbourhood, or whose own
-//! edge (the rim of a cone) passes there, gets one shadow ray a sample.
+//! edge (the rim of a cone) passes there, gets one shadow ray a sample; all else
+//! stays where it is, so that direct and indirect light add up to both.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -67,7 +68,7 @@ pub(crate) fn draw(view: &View, stages: &mut Stages) -> Picture {
         edges: &view.surface.edges,
     };
     let centers = stages.time("raster", || rasterize(&view.camera, &mesh));
-    let mut mask = stages.time("edges", || edge_pixels(&view.camera, &mesh, &centers));
+    let edges = stages.time("edges", || edge_pixels(&view.camera, &mesh, &centers));
     let lights: &[PlacedLight] = if view.component.needs_direct() {
         view.lights
     } else {
@@ -75,6 +76,7 @@ pub(crate) fn draw(view: &View, stages: &mut Stages) -> Picture {
     };
     let reaches = stages.time("shadow rays", || Reaches::trace(view, lights, &centers));
     let mixed = reaches.mixed(view, lights, &centers);
+    let mut mask = edges.clone();
     for (pixel, masked) in mask.iter_mut().enumerate() {
         *masked |= mixed.iter().any(|light| light[pixel]);
     }
@@ -83,6 +85,7 @@ pub(crate) fn draw(view: &View, stages: &mut Stages) -> Picture {
         view,
         mesh: &mesh,
         centers: &centers,
+        edges: &edges,
         samples: &samples,
         reaches: &reaches,
         mixed: &mixed,
@@ -204,6 +207,8 @@ struct Shading<'a> {
     view: &'a View<'a>,
     mesh: &'a RasterMesh<'a>,
     centers: &'a CenterBuffer,
+    /// Pixels of more than one surface.
+    edges: &'a [bool],
     samples: &'a SampleBuffer,
     reaches: &'a Reaches,
     mixed: &'a [Vec<bool>],
@@ -234,20 +239,22 @@ impl Shading<'_> {
 
     /// The pixel's value, and whether indirect light was below zero there.
     fn pixel(&self, pixel: usize) -> (Vec3, bool) {
-        match self.samples.pixel(pixel) {
+        let samples = self.samples.pixel(pixel);
+        match samples.filter(|_| self.edges[pixel]) {
             Some(samples) => self.sampled_pixel(pixel, samples),
-            None => {
-                let fragment = &self.centers.fragments[pixel];
-                self.shaded(
-                    fragment,
-                    |light| self.reaches.lights[light][pixel] == Reach::Lit,
-                    |_| None,
-                )
-            }
+            None => self.shaded(
+                &self.centers.fragments[pixel],
+                |light| self.reaches.lights[light][pixel] == Reach::Lit,
+                |light| {
+                    let samples = samples.filter(|_| self.mixed[light][pixel])?;
+                    let sum = samples.iter().map(|f| self.light_at(light, f));
+                    Some(sum.sum::<Vec3>() / samples.len() as f32)
+                },
+            ),
         }
     }
 
-    /// A pixel of more than one surface, or with the edge of a shadow.
+    /// A pixel of more than one surface.
     fn sampled_pixel(&self, pixel: usize, samples: &[Fragment; 16]) -> (Vec3, bool) {
         let at = [
             pixel as u32 % self.view.camera.width,

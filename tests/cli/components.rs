@@ -1,0 +1,144 @@
+//! Components of a frame, and that they add up.
+
+use std::path::Path;
+
+use relume::{Image, read_image};
+
+use crate::program::{relume, render_box, render_box_command, scene, succeed, temporary_folder};
+
+/// Largest |direct + indirect - global| of a channel, W/(m2 sr): the contract's
+/// number. The sums differ in the order of their roundings alone, which leaves
+/// some 1e-7 on radiances of about 1.
+const SUM_TOLERANCE: f32 = 1e-5;
+/// A normal is the mean over a pixel, so it is at most of length 1.
+const ROUNDING: f32 = 1e-5;
+
+/// A component of the small box, as linear values.
+fn component(folder: &Path, name: &str, arguments: &[&str]) -> Image {
+    let picture = format!("{name}.exr");
+    let arguments = [&["--component", name], arguments].concat();
+    succeed(&mut render_box_command(folder, &picture, &arguments));
+    let loaded = read_image(&folder.join(picture)).expect("the frame can be read");
+    loaded.values().clone()
+}
+
+fn largest(image: &Image) -> f32 {
+    image
+        .pixels()
+        .iter()
+        .map(|p| p.max_element())
+        .fold(0.0, f32::max)
+}
+
+/// Largest |direct + indirect - global| of a channel.
+fn largest_gap(folder: &Path, arguments: &[&str]) -> f32 {
+    let [direct, indirect, global] =
+        ["direct", "indirect", "global"].map(|name| component(folder, name, arguments));
+    for (name, image) in [("direct", &direct), ("indirect", &indirect)] {
+        assert!(largest(image) > 0.01, "{name} is black with {arguments:?}");
+    }
+    let parts = direct.pixels().iter().zip(indirect.pixels());
+    parts
+        .zip(global.pixels())
+        .map(|((&d, &i), &g)| (d + i - g).abs().max_element())
+        .fold(0.0, f32::max)
+}
+
+#[test]
+fn direct_and_indirect_add_up_to_global() {
+    let folder = temporary_folder();
+    for arguments in [
+        &["--bounces", "1"][..],
+        &["--bounces", "4"],
+        &["--bounces", "all"],
+        &["--set", "light.lamp.intensity=[0.9,0,0.1]"],
+    ] {
+        let gap = largest_gap(folder.path(), arguments);
+        assert!(
+            gap <= SUM_TOLERANCE,
+            "the sum is off by {gap} with {arguments:?}"
+        );
+    }
+}
+
+#[test]
+fn without_bounces_there_is_direct_light_alone() {
+    let folder = temporary_folder();
+    let none = ["--bounces", "0"];
+    let indirect = component(folder.path(), "indirect", &none);
+    assert_eq!(largest(&indirect), 0.0, "no bounce, no indirect light");
+    let [direct, global] = ["direct", "global"].map(|name| component(folder.path(), name, &none));
+    assert_eq!(direct, global, "global is direct light bit for bit");
+    let cache = folder.path().join("cache");
+    assert!(!cache.exists(), "a frame without bounces needs no bake");
+}
+
+#[test]
+fn every_component_shows_what_it_is_called() {
+    let folder = temporary_folder();
+    let see = |name| component(folder.path(), name, &[]);
+    let (albedo, normal, depth) = (see("albedo"), see("normal"), see("depth"));
+    let (irradiance, global) = (see("irradiance"), see("global"));
+    assert!(
+        albedo
+            .pixels()
+            .iter()
+            .all(|a| a.min_element() >= 0.0 && a.max_element() <= 1.0),
+        "albedos lie between 0 and 1"
+    );
+    assert!(largest(&albedo) > 0.5, "the box has white walls");
+    assert!(
+        normal.pixels().iter().all(|n| n.length() <= 1.0 + ROUNDING),
+        "normals are no longer than 1"
+    );
+    let middle = depth.pixel(20, 8).expect("the picture has this pixel");
+    assert!(
+        (middle.x - 7.8).abs() < 1e-3 && middle.x == middle.y && middle.y == middle.z,
+        "the back wall above the blocks is 7.8 away along the view: {middle}"
+    );
+    let pairs = irradiance.pixels().iter().zip(global.pixels());
+    let brighter = pairs
+        .filter(|&(e, l)| e.element_sum() > l.element_sum())
+        .count();
+    let lit = global
+        .pixels()
+        .iter()
+        .filter(|l| l.element_sum() > 0.0)
+        .count();
+    assert_eq!(brighter, lit, "E > rho E / pi wherever there is light");
+    assert!(
+        lit > 600,
+        "light is almost everywhere: {lit} of 1200 pixels"
+    );
+}
+
+#[test]
+fn sizes_and_several_outputs() {
+    let folder = temporary_folder();
+    let second = folder.path().join("second.exr");
+    let second_name = second.to_str().expect("a temporary path is UTF-8");
+    let report = render_box(folder.path(), &["-o", second_name]).json();
+    let linear = read_image(&second).expect("the second output can be read");
+    let levels = read_image(&folder.path().join("frame.png")).expect("the first too");
+    for image in [linear.values(), levels.values()] {
+        assert_eq!((image.width(), image.height()), (40, 30), "{report}");
+    }
+    let exr_first = relume(&["render", "--json", "--no-cache", "--bounces", "0"])
+        .arg(scene("cornell"))
+        .args(["--size", "8x8", "-o", second_name])
+        .output()
+        .expect("the program starts");
+    assert!(exr_first.status.success(), "{exr_first:?}");
+    let image = read_image(&second).expect("the file was replaced");
+    assert_eq!(
+        image.values().width(),
+        8,
+        "the new frame replaced the old one"
+    );
+    let report = crate::program::Finished::of(exr_first).json();
+    assert_eq!(
+        report["digest"].as_str(),
+        Some(image.values().digest().as_str()),
+        "the digest is that of the file's pixels: {report}"
+    );
+}

@@ -1,0 +1,162 @@
+//! `relume diff`: what counts as equal, and what it says of the rest.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use crate::program::{Finished, relume, render_box_command, run, succeed, temporary_folder};
+
+/// A small frame of direct light under a name; needs no bake.
+fn frame(folder: &Path, name: &str, arguments: &[&str]) -> PathBuf {
+    let arguments = [&["--no-cache", "--bounces", "0"], arguments].concat();
+    succeed(&mut render_box_command(folder, name, &arguments));
+    folder.join(name)
+}
+
+fn diff(reference: &Path, candidate: &Path, arguments: &[&str]) -> Finished {
+    let mut command = relume(&["diff"]);
+    run(command.arg(reference).arg(candidate).args(arguments))
+}
+
+#[test]
+fn equal_images_pass_and_others_do_not() {
+    let folder = temporary_folder();
+    let brighter = ["--set", "light.lamp.intensity=[3.4,2.9,2.3]"];
+    for kind in ["png", "exr"] {
+        let named = |name: &str| format!("{name}.{kind}");
+        let reference = frame(folder.path(), &named("reference"), &[]);
+        let again = frame(folder.path(), &named("again"), &[]);
+        let other = frame(folder.path(), &named("other"), &brighter);
+        let same = diff(&reference, &again, &[]);
+        assert_eq!(same.exit_code, Some(0), "{kind}: {same:#?}");
+        assert!(same.stdout.starts_with("same"), "{kind}: {same:#?}");
+        let different = diff(&reference, &other, &["--json"]);
+        assert_eq!(different.exit_code, Some(1), "{kind}: {different:#?}");
+        let report = different.json();
+        assert_eq!(report["passes"], false, "{report}");
+        let bias = report["bias"].as_f64().unwrap_or_default();
+        assert!(
+            (0.001..0.03).contains(&bias),
+            "more light is a bias above 0: {report}"
+        );
+    }
+}
+
+#[test]
+fn limits_let_pass_exactly_what_they_say() {
+    let folder = temporary_folder();
+    let reference = frame(folder.path(), "reference.png", &[]);
+    let brighter = ["--set", "light.lamp.intensity=[3.6,2.9,2.3]"];
+    let other = frame(folder.path(), "other.png", &brighter);
+    let report = diff(&reference, &other, &["--json"]).json();
+    let number = |key: &str| report[key].as_u64().unwrap_or_default();
+    let differing = number("differing_pixels");
+    let most = report["max_channel_difference"]
+        .as_f64()
+        .unwrap_or_default();
+    assert!(differing > 1 && most > 1.0, "the pictures differ: {report}");
+    assert!(differing < number("pixels"), "but not everywhere: {report}");
+    let cases = [
+        ("--max-channel-difference", most.to_string(), 0),
+        ("--max-channel-difference", (most - 0.5).to_string(), 1),
+        ("--max-differing-pixels", differing.to_string(), 0),
+        ("--max-differing-pixels", (differing - 1).to_string(), 1),
+        ("--max-differing-pixels", "100%".to_owned(), 0),
+        ("--max-differing-pixels", "0.05%".to_owned(), 1),
+    ];
+    for (limit, value, exit_code) in cases {
+        let finished = diff(&reference, &other, &[limit, &value]);
+        assert_eq!(
+            finished.exit_code,
+            Some(exit_code),
+            "{limit} {value}: {finished:#?}"
+        );
+    }
+    for (limit, value) in [
+        ("--max-channel-difference", "-1"),
+        ("--max-differing-pixels", "-1"),
+        ("--max-differing-pixels", "many"),
+    ] {
+        let finished = diff(&reference, &other, &[limit, value]);
+        assert_eq!(
+            finished.exit_code,
+            Some(2),
+            "{limit} {value}: {finished:#?}"
+        );
+    }
+}
+
+#[test]
+fn images_of_unequal_size_are_different_and_it_is_said() {
+    let folder = temporary_folder();
+    let reference = frame(folder.path(), "reference.png", &[]);
+    let small = frame(
+        folder.path(),
+        "small.png",
+        &["--set", "camera.size=[20,10]"],
+    );
+    let report = diff(&reference, &small, &["--json"]).json();
+    assert_eq!(
+        report["passes"], true,
+        "--size wins over the scene: {report}"
+    );
+
+    let mut command = render_box_command(folder.path(), "small.exr", &["--no-cache"]);
+    let output = folder.path().join("small.png");
+    fs::remove_file(&small).expect("the picture can be removed");
+    let arguments: Vec<_> = command.get_args().map(ToOwned::to_owned).collect();
+    command = relume(&[]);
+    let replaced = arguments.into_iter().map(|argument| {
+        if argument == "40x30" {
+            "20x10".into()
+        } else {
+            argument
+        }
+    });
+    succeed(command.args(replaced).arg("-o").arg(output));
+    let finished = diff(&reference, &small, &[]);
+    assert_eq!(finished.exit_code, Some(1), "{finished:#?}");
+    for words in ["40 x 30", "20 x 10"] {
+        assert!(
+            finished.stdout.contains(words),
+            "nothing says {words}: {finished:#?}"
+        );
+    }
+    let finished = diff(&reference, &small, &["--json"]);
+    assert_eq!(finished.exit_code, Some(1), "{finished:#?}");
+    assert_eq!(finished.json()["passes"], false, "{finished:#?}");
+}
+
+#[test]
+fn levels_and_linear_values_are_not_compared() {
+    let folder = temporary_folder();
+    let levels = frame(folder.path(), "frame.png", &[]);
+    let linear = frame(folder.path(), "frame.exr", &[]);
+    let finished = diff(&levels, &linear, &[]);
+    assert_eq!(finished.exit_code, Some(2), "{finished:#?}");
+    for word in ["PNG", "EXR", "two of a kind"] {
+        assert!(
+            finished.stderr.contains(word),
+            "nothing says {word}: {finished:#?}"
+        );
+    }
+}
+
+#[test]
+fn files_that_are_no_images_are_file_errors() {
+    let folder = temporary_folder();
+    let whole = frame(folder.path(), "whole.png", &[]);
+    let cut = folder.path().join("cut.png");
+    let bytes = fs::read(&whole).expect("the picture can be read");
+    fs::write(&cut, &bytes[..bytes.len() / 2]).expect("half of it can be written");
+    for (candidate, word) in [
+        (cut, "whole"),
+        (folder.path().join("missing.png"), "missing.png"),
+    ] {
+        let finished = diff(&whole, &candidate, &[]);
+        assert_eq!(finished.exit_code, Some(3), "{candidate:?}: {finished:#?}");
+        assert!(
+            finished.stderr.contains(word),
+            "nothing says {word}: {finished:#?}"
+        );
+    }
+}

@@ -1,0 +1,12 @@
+//! The program's contract with people and with other programs: exit codes,
+//! words for mistakes, reports, components, the cache of bakes, signals.
+
+mod components;
+mod differences;
+mod mistakes;
+#[path = "../program/mod.rs"]
+mod program;
+mod reports;
+#[cfg(unix)]
+mod signals;
+mod stored_bakes;

@@ -1,0 +1,170 @@
+//! What the commands print: one JSON object or lines for a person on standard
+//! output, warnings on standard error, and no progress where no terminal is.
+
+use serde_json::Value;
+
+use crate::program::{relume, render_box_command, run, scene, succeed, temporary_folder};
+
+/// Keys that programs rely on.
+const RENDER_KEYS: [&str; 10] = [
+    "digest",
+    "size",
+    "vertices",
+    "triangles",
+    "partitions",
+    "functions",
+    "coefficients_per_vertex",
+    "bake_bytes",
+    "cache",
+    "ms",
+];
+
+fn assert_keys(object: &Value, keys: &[&str]) {
+    for key in keys {
+        assert!(object.get(key).is_some(), "no {key:?} in {object}");
+    }
+}
+
+#[test]
+fn render_prints_one_object_with_the_contracts_keys() {
+    let folder = temporary_folder();
+    let finished = succeed(&mut render_box_command(
+        folder.path(),
+        "frame.png",
+        &["--json"],
+    ));
+    assert_eq!(
+        finished.stderr, "",
+        "no terminal, no progress and no warning"
+    );
+    assert_eq!(
+        finished.stdout.lines().count(),
+        1,
+        "one line: {finished:#?}"
+    );
+    let object = finished.json();
+    assert_keys(&object, &RENDER_KEYS);
+    assert_eq!(object["size"], serde_json::json!([40, 30]), "{object}");
+    assert_eq!(object["cache"], "miss", "{object}");
+    let digest = object["digest"].as_str().unwrap_or_default();
+    let is_hex = digest.len() == 32 && digest.bytes().all(|b| b.is_ascii_hexdigit());
+    assert!(is_hex, "a digest of 32 hexadecimal digits: {object}");
+    for key in [
+        "vertices",
+        "triangles",
+        "partitions",
+        "functions",
+        "bake_bytes",
+    ] {
+        assert!(object[key].as_u64() > Some(0), "{key} is a count: {object}");
+    }
+    let stages = object["ms"].as_object().expect("`ms` is an object");
+    let time = |value: &Value| value.as_f64().expect("a time is a number");
+    let sum: f64 = stages
+        .iter()
+        .filter(|(k, _)| *k != "total")
+        .map(|(_, v)| time(v))
+        .sum();
+    let total = time(&stages["total"]);
+    // Each stage is rounded to a microsecond.
+    let rounding = 1e-3 * stages.len() as f64;
+    assert!(
+        (sum - total).abs() <= rounding,
+        "the stages sum to {sum}, not to {total}"
+    );
+}
+
+#[test]
+fn the_bakes_size_is_the_files() {
+    let folder = temporary_folder();
+    let report = crate::program::render_box(folder.path(), &[]).json();
+    let bake = crate::program::only_bake(&folder.path().join("cache"));
+    let bytes = std::fs::metadata(bake).expect("the bake exists").len();
+    assert_eq!(report["bake_bytes"].as_u64(), Some(bytes), "{report}");
+}
+
+#[test]
+fn a_person_reads_lines_and_hears_no_progress() {
+    let folder = temporary_folder();
+    let finished = succeed(&mut render_box_command(folder.path(), "frame.png", &[]));
+    assert_eq!(
+        finished.stderr, "",
+        "no terminal, no progress and no warning"
+    );
+    for word in ["frame.png: 40 x 30", "vertices", "digest"] {
+        assert!(
+            finished.stdout.contains(word),
+            "nothing says {word:?}: {finished:#?}"
+        );
+    }
+}
+
+#[test]
+fn the_other_commands_print_one_object_too() {
+    let folder = temporary_folder();
+    let path = folder.path().join("frame.exr");
+    let path = path.to_str().expect("a temporary path is UTF-8");
+    let scene = scene("cornell");
+    let scene = scene.to_str().expect("the repository's path is UTF-8");
+    let small = ["--set", "bake.max_edge=0.5", "--json"];
+    let reference = [
+        "reference",
+        scene,
+        "-o",
+        path,
+        "--spp",
+        "2",
+        "--size",
+        "16x12",
+    ];
+    let traced = succeed(relume(&reference).args(small));
+    assert_eq!(traced.stderr, "", "no terminal, no progress");
+    assert_keys(&traced.json(), &["digest", "size", "spp", "noise", "ms"]);
+
+    let cache = folder.path().join("cache");
+    let mut bake = relume(&["bake", scene, "--set", "bake.rays=16"]);
+    let baked = succeed(bake.args(small).arg("--cache-dir").arg(cache));
+    assert_eq!(baked.stderr, "", "no terminal, no progress");
+    assert_keys(&baked.json(), &["vertices", "bake_bytes", "cache", "ms"]);
+    assert_eq!(baked.json()["cache"], "miss", "{baked:#?}");
+
+    let compared = succeed(&mut relume(&["diff", path, path, "--json"]));
+    let keys = [
+        "passes",
+        "max_channel_difference",
+        "differing_pixels",
+        "relative_rmse_8x8",
+        "bias",
+    ];
+    assert_keys(&compared.json(), &keys);
+}
+
+#[test]
+fn lights_that_are_not_rendered_yet_are_a_warning_and_no_error() {
+    let folder = temporary_folder();
+    let obj = scene("cornell").with_file_name("cornell.obj");
+    let text = format!(
+        "mesh = {obj:?}\n\
+         [camera]\nposition = [0, 1, 6.8]\ntarget = [0, 1, 0]\nvfov = 19.5\nsize = [16, 12]\n\
+         [[light]]\nkind = \"area\"\ncorner = [0, 1, 0]\nedge_u = [0.1, 0, 0]\n\
+         edge_v = [0, 0, 0.1]\nradiance = [1, 1, 1]\n\
+         [[light]]\nkind = \"environment\"\nradiance = [1, 1, 1]\n"
+    );
+    let path = folder.path().join("made.toml");
+    std::fs::write(&path, text).expect("the scene can be written");
+    let mut command = relume(&["render", "--no-cache", "--json", "--bounces", "0", "-o"]);
+    let finished = run(command.arg(folder.path().join("frame.png")).arg(&path));
+    assert_eq!(finished.exit_code, Some(0), "{finished:#?}");
+    assert!(
+        finished.json().is_object(),
+        "warnings stay off standard output"
+    );
+    for kind in ["area", "environment"] {
+        let said = finished
+            .stderr
+            .lines()
+            .filter(|line| line.starts_with("warning: "))
+            .any(|line| line.contains(kind) && line.contains("not rendered yet"));
+        assert!(said, "no warning about {kind} lights: {finished:#?}");
+    }
+}
