@@ -13,7 +13,7 @@ use super::rows::{Indices, Rows};
 use super::{Bake, BakeStats};
 
 const MAGIC: &[u8; 8] = b"relume\x1ab";
-const FORMAT_VERSION: u32 = 1;
+const FORMAT_VERSION: u32 = 2;
 /// Bytes before the payload: magic, version, key, length, checksum.
 const HEADER: usize = 8 + 4 + 32 + 8 + 32;
 
@@ -79,6 +79,9 @@ fn encode_payload(bake: &Bake) -> Vec<u8> {
         stats.arrived_share,
         stats.escaped_share,
         stats.senders_per_group,
+        stats.largest_eigenvalue,
+        stats.energy_mean,
+        stats.energy_worst,
     ]);
     out.list(&bake.backs.iter().map(|&b| u8::from(b)).collect::<Vec<_>>());
 
@@ -113,7 +116,15 @@ fn decode_payload(payload: &[u8]) -> Result<Bake, FileError> {
     let rays = *input.list::<u32>()?.first().ok_or(FileError::Damaged)?;
     let threshold = *input.list::<f32>()?.first().ok_or(FileError::Damaged)?;
     let shares = input.list::<f64>()?;
-    let &[arrived_share, escaped_share, senders_per_group] = shares.as_slice() else {
+    let &[
+        arrived_share,
+        escaped_share,
+        senders_per_group,
+        largest_eigenvalue,
+        energy_mean,
+        energy_worst,
+    ] = shares.as_slice()
+    else {
         return Err(FileError::Damaged);
     };
     let stats = BakeStats {
@@ -122,6 +133,9 @@ fn decode_payload(payload: &[u8]) -> Result<Bake, FileError> {
         arrived_share,
         escaped_share,
         senders_per_group,
+        largest_eigenvalue,
+        energy_mean,
+        energy_worst,
     };
     let backs: Vec<bool> = input.list::<u8>()?.into_iter().map(|b| b != 0).collect();
 

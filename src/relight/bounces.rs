@@ -1,7 +1,6 @@
 //! Bounces: B = source + rho E, E = T~ B, as often as asked for.
 
 use glam::Vec3;
-use rayon::prelude::*;
 use thiserror::Error;
 
 use crate::bake::Bake;
@@ -15,8 +14,6 @@ const SETTLED: f64 = 1e-3;
 /// Bounces after which "all" gives up: at albedo 0.99 in a closed room it needs
 /// some 20, since the remainder is extrapolated.
 const MOST_BOUNCES: u32 = 4_000;
-/// Groups of eight receivers that one task takes.
-const GROUPS_PER_TASK: usize = 32;
 
 /// Why there is no solution.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
@@ -75,7 +72,7 @@ impl Transport<'_> {
     fn count(&self, source: &[[f32; 3]], albedo: &[[f32; 3]], count: u32) -> Vec<[f32; 3]> {
         let mut irradiance = vec![[0.0; 3]; source.len()];
         for _ in 0..count {
-            irradiance = self.apply(&radiosity(source, albedo, &irradiance));
+            irradiance = self.bake.apply(self.level, &radiosity(source, albedo, &irradiance));
         }
         irradiance
     }
@@ -87,7 +84,7 @@ impl Transport<'_> {
         let mut last = Increment::default();
         let mut last_total = [0.0; 3];
         for _ in 0..MOST_BOUNCES {
-            let next = self.apply(&radiosity(source, albedo, &irradiance));
+            let next = self.bake.apply(self.level, &radiosity(source, albedo, &irradiance));
             let increment = Increment::between(&irradiance, &next, &last);
             irradiance = next;
             if increment.settled(&last) {
@@ -108,23 +105,6 @@ impl Transport<'_> {
         Err(BounceError::Diverges {
             ratio: last.ratio.iter().copied().fold(0.0, f64::max),
         })
-    }
-
-    /// T~ B, both in slots.
-    pub(crate) fn apply(&self, radiosity: &[[f32; 3]]) -> Vec<[f32; 3]> {
-        let light = self.bake.basis().project_rgb(self.level, radiosity);
-        let rows = self.bake.rows();
-        let groups: Vec<_> = (0..rows.group_count())
-            .into_par_iter()
-            .with_min_len(GROUPS_PER_TASK)
-            .map(|group| rows.gather(self.level, group, radiosity, &light))
-            .collect();
-        let mut irradiance = Vec::with_capacity(radiosity.len());
-        for (group, sums) in groups.iter().enumerate() {
-            let (_, count) = rows.receivers(group);
-            irradiance.extend((0..count).map(|lane| [sums[0][lane], sums[1][lane], sums[2][lane]]));
-        }
-        irradiance
     }
 }
 
