@@ -79,6 +79,9 @@ fn encode_payload(bake: &Bake) -> Vec<u8> {
         stats.arrived_share,
         stats.escaped_share,
         stats.senders_per_group,
+        stats.largest_eigenvalue,
+        stats.energy_mean,
+        stats.energy_worst,
     ]);
     out.list(&bake.backs.iter().map(|&b| u8::from(b)).collect::<Vec<_>>());
 
@@ -114,7 +117,15 @@ fn decode_payload(payload: &[u8]) -> Result<Bake, FileError> {
     let rays = *input.list::<u32>()?.first().ok_or(FileError::Damaged)?;
     let threshold = *input.list::<f32>()?.first().ok_or(FileError::Damaged)?;
     let shares = input.list::<f64>()?;
-    let &[arrived_share, escaped_share, senders_per_group] = shares.as_slice() else {
+    let &[
+        arrived_share,
+        escaped_share,
+        senders_per_group,
+        largest_eigenvalue,
+        energy_mean,
+        energy_worst,
+    ] = shares.as_slice()
+    else {
         return Err(FileError::Damaged);
     };
     let stats = BakeStats {
@@ -123,6 +134,9 @@ fn decode_payload(payload: &[u8]) -> Result<Bake, FileError> {
         arrived_share,
         escaped_share,
         senders_per_group,
+        largest_eigenvalue,
+        energy_mean,
+        energy_worst,
     };
     let backs: Vec<bool> = input.list::<u8>()?.into_iter().map(|b| b != 0).collect();
 

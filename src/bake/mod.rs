@@ -12,6 +12,7 @@ mod cache;
 mod compress;
 mod dense;
 mod eigen;
+mod energy;
 mod file;
 mod function_shares;
 mod graph;
@@ -50,6 +51,8 @@ use crate::surface::{NONE, Surface};
 
 /// Groups that the threshold is chosen from, spread evenly over the scene.
 const PILOT_GROUPS: usize = 256;
+/// Groups of eight receivers that one task of [`Bake::apply`] takes.
+const GROUPS_PER_TASK: usize = 32;
 /// Cost of an edge of mean length between vertices of equal normals.
 const MEAN_EDGE_COST: f32 = 64.0;
 
@@ -93,13 +96,34 @@ impl Bake {
         });
         let sigma = sigma.sigma(light_count);
         let (rows, stats) = compressed_rows(surface, settings, run, &basis, &sigma)?;
-        Ok(Self {
+        let mut bake = Self {
             backs,
             open_points,
             basis,
             rows,
             stats,
-        })
+        };
+        run.progress.stage("energy", 1);
+        bake.stats.largest_eigenvalue = energy::largest_eigenvalue(&bake, run.level);
+        let ratios = energy::energy_ratios(&bake, surface, run.level);
+        (bake.stats.energy_mean, bake.stats.energy_worst) = (ratios.mean, ratios.worst);
+        Ok(bake)
+    }
+
+    /// E = T~ B, irradiance from radiosity, both in slots, W/m2.
+    pub(crate) fn apply(&self, level: Level, radiosity: &[[f32; 3]]) -> Vec<[f32; 3]> {
+        let light = self.basis.project_rgb(level, radiosity);
+        let groups: Vec<_> = (0..self.rows.group_count())
+            .into_par_iter()
+            .with_min_len(GROUPS_PER_TASK)
+            .map(|group| self.rows.gather(level, group, radiosity, &light))
+            .collect();
+        let mut irradiance = Vec::with_capacity(radiosity.len());
+        for (group, sums) in groups.iter().enumerate() {
+            let (_, count) = self.rows.receivers(group);
+            irradiance.extend((0..count).map(|lane| [sums[0][lane], sums[1][lane], sums[2][lane]]));
+        }
+        irradiance
     }
 
     /// Which front vertices have a back side.
@@ -117,7 +141,7 @@ impl Bake {
         &self.basis
     }
 
-    /// The compressed rows.
+    /// The compressed rows; [`Self::apply`] applies them.
     pub(crate) fn rows(&self) -> &Rows {
         &self.rows
     }

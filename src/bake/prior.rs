@@ -22,26 +22,25 @@ const FARTHEST: f64 = 0.5;
 /// Share of the way to the next surface at which a prior light stays in front
 /// of it.
 const INSIDE_FREE_SPACE: f32 = 0.9;
-/// Seed that chooses; reporting uses another.
-const SEED: u32 = 0x11947;
+/// Seed that chooses.
+const CHOOSING_SEED: u32 = 0x11947;
+/// Seed that reports.
+const REPORTING_SEED: u32 = 0x2b6f5;
+/// Unseen lights: points near surfaces and far from them.
+const UNSEEN_POINTS: u32 = 24;
 
 /// The prior lights of a scene, in a fixed order. The constant light is not
 /// among them: it has no place.
 pub(super) fn lights(surface: &Surface, level: Level) -> Vec<PlacedLight> {
-    let mut cumulative = Vec::with_capacity(surface.vertices.len());
-    let mut total = 0.0;
-    for &area in surface.vertices.areas() {
-        total += area;
-        cumulative.push(total);
-    }
+    let cumulative = cumulative_areas(surface);
     if cumulative.is_empty() {
         return Vec::new();
     }
-    let number = |light: u32, dimension: u32| uniform(SEED, light, dimension);
+    let number = |light: u32, dimension: u32| uniform(CHOOSING_SEED, light, dimension);
     let direction = |light, dimension| {
         sphere_direction([number(light, dimension), number(light, dimension + 1)])
     };
-    let place = |light| free_point(surface, level, &cumulative, light);
+    let place = |light| free_point(surface, level, &cumulative, [CHOOSING_SEED, light]);
     let points = (0..POINTS).map(|i| PlacedLight::unit_point(place(i)));
     let spots = (POINTS..POINTS + SPOTS)
         .map(|i| PlacedLight::unit_spot(place(i), direction(i, 8), SPOT_CUTOFF_DEG));
@@ -50,10 +49,38 @@ pub(super) fn lights(surface: &Surface, level: Level) -> Vec<PlacedLight> {
     points.chain(spots).chain(suns).collect()
 }
 
+/// Point lights that nothing was chosen by, to report with.
+pub(super) fn unseen_lights(surface: &Surface, level: Level) -> Vec<PlacedLight> {
+    let cumulative = cumulative_areas(surface);
+    if cumulative.is_empty() {
+        return Vec::new();
+    }
+    let place = |light| free_point(surface, level, &cumulative, [REPORTING_SEED, light]);
+    (0..UNSEEN_POINTS)
+        .map(|light| PlacedLight::unit_point(place(light)))
+        .collect()
+}
+
+/// Area of the vertices up to and with each.
+fn cumulative_areas(surface: &Surface) -> Vec<f32> {
+    let areas = surface.vertices.areas().iter();
+    areas
+        .scan(0.0, |total, area| {
+            *total += area;
+            Some(*total)
+        })
+        .collect()
+}
+
 /// A random surface point moved along a random direction of its side, by a
 /// log-uniform distance, not through another surface.
-fn free_point(surface: &Surface, level: Level, cumulative_area: &[f32], light: u32) -> Vec3 {
-    let u = |dimension| uniform(SEED, light, dimension);
+fn free_point(
+    surface: &Surface,
+    level: Level,
+    cumulative_area: &[f32],
+    [seed, light]: [u32; 2],
+) -> Vec3 {
+    let u = |dimension| uniform(seed, light, dimension);
     let vertex = pick(cumulative_area, u(0));
     let from = surface.sample_point(vertex, [u(1), u(2)]);
     let towards = sphere_direction([u(3), u(4)]);

@@ -37,6 +37,14 @@ pub struct BakeStats {
     pub escaped_share: f64,
     /// Senders that a group of eight receivers saw, in the mean.
     pub senders_per_group: f64,
+    /// Largest absolute eigenvalue of the compressed operator: bounces stay
+    /// bounded where albedo x this is below 1.
+    pub largest_eigenvalue: f64,
+    /// Energy that arrives over energy that can, 1 where none is lost or
+    /// made: mean over lights that the bake did not choose by.
+    pub energy_mean: f64,
+    /// That of the light for which it is farthest from 1.
+    pub energy_worst: f64,
 }
 
 impl BakeStats {
@@ -49,6 +57,8 @@ impl BakeStats {
             arrived_share: sum(|g| g.arrived) / receivers,
             escaped_share: sum(|g| g.escaped) / receivers,
             senders_per_group: sum(|g| g.senders) / groups.len().max(1) as f64,
+            // Of the finished operator, so not known yet.
+            ..Self::default()
         }
     }
 }

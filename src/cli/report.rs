@@ -65,6 +65,9 @@ pub(super) fn add_figures(object: &mut Value, figures: &SceneFigures) {
             "arrived_share": bake.stats.arrived_share,
             "escaped_share": bake.stats.escaped_share,
             "senders_per_group": bake.stats.senders_per_group,
+            "largest_eigenvalue": bake.stats.largest_eigenvalue,
+            "energy_mean": bake.stats.energy_mean,
+            "energy_worst": bake.stats.energy_worst,
         });
     }
 }

@@ -1,22 +1,27 @@
 //! Bounces: B = source + rho E, E = T~ B, as often as asked for.
 
 use glam::Vec3;
-use rayon::prelude::*;
 use thiserror::Error;
 
 use crate::bake::Bake;
 use crate::scene::Bounces;
 use crate::simd::Level;
 
-/// "All" stops when the estimated remainder changes the total by less.
+/// "All" stops when a bounce changes the estimated limit by less, in the mean
+/// over the vertices.
 const REMAINDER: f64 = 1e-5;
 /// The ratio of successive bounces has settled when it changes by less.
 const SETTLED: f64 = 1e-3;
+/// A bounce of this share of the one before it does not decay: single precision
+/// rounds a closed room of albedo 1 to within 1e-6 of 1, and a limit 1e5 times
+/// the first bounce is none.
+const DECAYS: f64 = 1.0 - 1e-5;
+/// Bounces that may grow before "all" gives up: light that leaves a corner for
+/// many small vertices grows in their sum for a bounce or two.
+const MOST_GROWING: u32 = 64;
 /// Bounces after which "all" gives up: at albedo 0.99 in a closed room it needs
 /// some 20, since the remainder is extrapolated.
 const MOST_BOUNCES: u32 = 4_000;
-/// Groups of eight receivers that one task takes.
-const GROUPS_PER_TASK: usize = 32;
 
 /// Why there is no solution.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
@@ -75,56 +80,47 @@ impl Transport<'_> {
     fn count(&self, source: &[[f32; 3]], albedo: &[[f32; 3]], count: u32) -> Vec<[f32; 3]> {
         let mut irradiance = vec![[0.0; 3]; source.len()];
         for _ in 0..count {
-            irradiance = self.apply(&radiosity(source, albedo, &irradiance));
+            irradiance = self
+                .bake
+                .apply(self.level, &radiosity(source, albedo, &irradiance));
         }
         irradiance
     }
 
-    /// Bounces until the rest of the geometric series, as the ratio of the last
-    /// bounces tells it, no longer changes the total.
+    /// Bounces until the limit of the geometric series, as the ratio of the
+    /// last bounces tells it, no longer changes at the vertices.
+    ///
+    /// Each bounce is carried on by itself and not found as a difference of
+    /// sums, whose rounding would drown it: at albedo 0.99 in a furnace that
+    /// made the ratio of successive bounces exceed 1.
     fn all(&self, source: &[[f32; 3]], albedo: &[[f32; 3]]) -> Result<Vec<[f32; 3]>, BounceError> {
         let mut irradiance = vec![[0.0; 3]; source.len()];
+        let mut outgoing = source.to_vec();
         let mut last = Increment::default();
-        let mut last_total = [0.0; 3];
-        for _ in 0..MOST_BOUNCES {
-            let next = self.apply(&radiosity(source, albedo, &irradiance));
-            let increment = Increment::between(&irradiance, &next, &last);
-            irradiance = next;
-            if increment.settled(&last) {
-                if let Some(ratio) = increment.growing() {
-                    return Err(BounceError::Diverges { ratio });
-                }
-                let total = increment.total_with_rest(&irradiance);
-                let change = (0..3)
-                    .map(|c| (total[c] - last_total[c]).abs() / total[c].max(f64::MIN_POSITIVE));
-                if change.fold(0.0, f64::max) < REMAINDER {
-                    increment.add_rest(&mut irradiance);
-                    return Ok(irradiance);
-                }
-                last_total = total;
+        let mut last_limit: Vec<[f32; 3]> = Vec::new();
+        for bounce in 0..MOST_BOUNCES {
+            let increment = Increment::of(self.bake.apply(self.level, &outgoing), &last);
+            add(&mut irradiance, &increment.added, [1.0; 3]);
+            let growing = increment.growing();
+            if let Some(ratio) = growing
+                && bounce >= MOST_GROWING
+            {
+                return Err(BounceError::Diverges { ratio });
             }
+            if growing.is_none() && increment.settled(&last) {
+                let mut limit = irradiance.clone();
+                add(&mut limit, &increment.added, increment.rest());
+                if !last_limit.is_empty() && change(&last_limit, &limit) < REMAINDER {
+                    return Ok(limit);
+                }
+                last_limit = limit;
+            }
+            outgoing = radiosity(&vec![[0.0; 3]; source.len()], albedo, &increment.added);
             last = increment;
         }
         Err(BounceError::Diverges {
             ratio: last.ratio.iter().copied().fold(0.0, f64::max),
         })
-    }
-
-    /// T~ B, both in slots.
-    pub(crate) fn apply(&self, radiosity: &[[f32; 3]]) -> Vec<[f32; 3]> {
-        let light = self.bake.basis().project_rgb(self.level, radiosity);
-        let rows = self.bake.rows();
-        let groups: Vec<_> = (0..rows.group_count())
-            .into_par_iter()
-            .with_min_len(GROUPS_PER_TASK)
-            .map(|group| rows.gather(self.level, group, radiosity, &light))
-            .collect();
-        let mut irradiance = Vec::with_capacity(radiosity.len());
-        for (group, sums) in groups.iter().enumerate() {
-            let (_, count) = rows.receivers(group);
-            irradiance.extend((0..count).map(|lane| [sums[0][lane], sums[1][lane], sums[2][lane]]));
-        }
-        irradiance
     }
 }
 
@@ -144,7 +140,32 @@ fn radiosity(source: &[[f32; 3]], albedo: &[[f32; 3]], irradiance: &[[f32; 3]]) 
         .collect()
 }
 
-/// What the last bounce added.
+/// Adds `more`, times a factor a channel.
+fn add(sum: &mut [[f32; 3]], more: &[[f32; 3]], factor: [f64; 3]) {
+    let factor = factor.map(|f| f as f32);
+    for (total, value) in sum.iter_mut().zip(more) {
+        for channel in 0..3 {
+            total[channel] += value[channel] * factor[channel];
+        }
+    }
+}
+
+/// Mean absolute difference of two fields, share of the mean of the second, of
+/// the channel where it is largest. Fields are compared and not their sums: in
+/// a closed room the sum is right after two bounces, wherever the light is.
+fn change(before: &[[f32; 3]], after: &[[f32; 3]]) -> f64 {
+    let of_channel = |channel: usize| {
+        let (mut difference, mut total) = (0.0, 0.0);
+        for (b, a) in before.iter().zip(after) {
+            difference += f64::from((a[channel] - b[channel]).abs());
+            total += f64::from(a[channel].abs());
+        }
+        difference / f64::max(total, f64::MIN_POSITIVE)
+    };
+    [0, 1, 2].map(of_channel).into_iter().fold(0.0, f64::max)
+}
+
+/// One bounce.
 #[derive(Default)]
 struct Increment {
     added: Vec<[f32; 3]>,
@@ -155,12 +176,7 @@ struct Increment {
 }
 
 impl Increment {
-    fn between(before: &[[f32; 3]], after: &[[f32; 3]], last: &Self) -> Self {
-        let added: Vec<[f32; 3]> = before
-            .iter()
-            .zip(after)
-            .map(|(b, a)| [a[0] - b[0], a[1] - b[1], a[2] - b[2]])
-            .collect();
+    fn of(added: Vec<[f32; 3]>, last: &Self) -> Self {
         let energy = [0, 1, 2].map(|c| added.iter().map(|a| f64::from(a[c])).sum::<f64>());
         let ratio = [0, 1, 2].map(|c| {
             if last.energy[c] > 0.0 {
@@ -181,26 +197,11 @@ impl Increment {
     }
 
     fn growing(&self) -> Option<f64> {
-        self.ratio.iter().copied().find(|&ratio| ratio >= 1.0)
+        self.ratio.iter().copied().find(|&ratio| ratio >= DECAYS)
     }
 
+    /// Sum of all later bounces over this one, per channel.
     fn rest(&self) -> [f64; 3] {
         self.ratio.map(|ratio| ratio / (1.0 - ratio))
-    }
-
-    fn total_with_rest(&self, irradiance: &[[f32; 3]]) -> [f64; 3] {
-        let rest = self.rest();
-        [0, 1, 2].map(|c| {
-            irradiance.iter().map(|e| f64::from(e[c])).sum::<f64>() + self.energy[c] * rest[c]
-        })
-    }
-
-    fn add_rest(&self, irradiance: &mut [[f32; 3]]) {
-        let rest = self.rest().map(|r| r as f32);
-        for (e, added) in irradiance.iter_mut().zip(&self.added) {
-            for c in 0..3 {
-                e[c] += added[c] * rest[c];
-            }
-        }
     }
 }
