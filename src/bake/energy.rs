@@ -20,7 +20,7 @@ const SEED: u32 = 0xe16e;
 /// light and from two fields of noise at once.
 pub(super) fn largest_eigenvalue(bake: &Bake, level: Level) -> f64 {
     let noise = |slot: u32, channel| uniform(SEED, slot, channel) - 0.5;
-    let mut field: Vec<[f32; 3]> = (0..bake.vertex_count() as u32)
+    let mut field: Vec<[f32; 3]> = (0..bake.basis().slot_count() as u32)
         .map(|slot| [1.0, noise(slot, 1), noise(slot, 2)])
         .collect();
     normalise(&mut field);

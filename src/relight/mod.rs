@@ -10,6 +10,7 @@ mod bounces;
 mod component;
 mod kept;
 mod raster;
+mod reach;
 mod renderer;
 mod shade;
 mod stages;

@@ -17,11 +17,12 @@ use super::raster::{
     CenterBuffer, Fragment, RasterMesh, SampleBuffer, edge_pixels, rasterize, rasterize_samples,
     surface_groups,
 };
+use super::reach::{Reach, SeenPoints, mixed, seen_point, seen_points, trace};
 use super::stages::Stages;
 use crate::frame::Image;
 use crate::scene::{PlacedCamera, PlacedLight};
 use crate::simd::Level;
-use crate::surface::direct::{hidden, irradiance, unoccluded};
+use crate::surface::direct::{irradiance, unoccluded};
 use crate::surface::{NONE, Surface, SurfacePoint};
 
 /// What a picture is made of.
@@ -41,15 +42,6 @@ pub(crate) struct View<'a> {
 pub(crate) struct Picture {
     pub(crate) image: Image,
     pub(crate) clamped_pixels: u64,
-}
-
-/// What one light does at a pixel's centre.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Reach {
-    /// Faces away, or nothing is there.
-    Away,
-    Lit,
-    Shadowed,
 }
 
 /// Draws a view.
@@ -74,17 +66,32 @@ pub(crate) fn draw(view: &View, stages: &mut Stages) -> Picture {
     } else {
         &[]
     };
-    let reaches = stages.time("shadow rays", || Reaches::trace(view, lights, &centers));
-    let mixed = reaches.mixed(view, lights, &centers);
+    let points = stages.time("points", || seen_points(view, &centers));
+    let reaches: Vec<Vec<Reach>> = stages.time("shadow rays", || {
+        lights
+            .iter()
+            .map(|light| trace(view, light, &points))
+            .collect()
+    });
+    let mixed: Vec<Vec<bool>> = stages.time("shadow edges", || {
+        lights
+            .iter()
+            .zip(&reaches)
+            .map(|(light, reach)| mixed(view, light, &points, reach))
+            .collect()
+    });
     let mut mask = edges.clone();
-    for (pixel, masked) in mask.iter_mut().enumerate() {
-        *masked |= mixed.iter().any(|light| light[pixel]);
+    for light in &mixed {
+        mask.iter_mut()
+            .zip(light)
+            .for_each(|(masked, mixed)| *masked |= mixed);
     }
     let samples = stages.time("samples", || rasterize_samples(&view.camera, &mesh, &mask));
     let shading = Shading {
         view,
         mesh: &mesh,
         centers: &centers,
+        points: &points,
         edges: &edges,
         samples: &samples,
         reaches: &reaches,
@@ -94,123 +101,15 @@ pub(crate) fn draw(view: &View, stages: &mut Stages) -> Picture {
     stages.time("shade", || shading.picture())
 }
 
-/// Every light's reach at every pixel's centre.
-struct Reaches {
-    /// Light by light, a value a pixel.
-    lights: Vec<Vec<Reach>>,
-}
-
-impl Reaches {
-    fn trace(view: &View, lights: &[PlacedLight], centers: &CenterBuffer) -> Self {
-        let reach = |light: &PlacedLight, fragment: &Fragment| {
-            let Some(point) = seen_point(view, fragment) else {
-                return Reach::Away;
-            };
-            let sample = light.sample(point.position);
-            if unoccluded(&sample, &point) == Vec3::ZERO {
-                Reach::Away
-            } else if hidden(view.surface, view.level, &sample, &point) {
-                Reach::Shadowed
-            } else {
-                Reach::Lit
-            }
-        };
-        let fragments = &centers.fragments;
-        let lights = lights
-            .iter()
-            .map(|light| {
-                fragments
-                    .par_iter()
-                    .with_min_len(512)
-                    .map(|fragment| reach(light, fragment))
-                    .collect()
-            })
-            .collect();
-        Self { lights }
-    }
-
-    /// Per light, the pixels where it takes a shadow ray a sample.
-    fn mixed(&self, view: &View, lights: &[PlacedLight], centers: &CenterBuffer) -> Vec<Vec<bool>> {
-        let (width, height) = (view.camera.width as usize, view.camera.height as usize);
-        let positions: Vec<Option<Vec3>> = centers
-            .fragments
-            .par_iter()
-            .map(|f| seen_point(view, f).map(|p| p.position))
-            .collect();
-        lights
-            .iter()
-            .zip(&self.lights)
-            .map(|(light, reach)| {
-                let differs = |a: usize, b: usize| {
-                    let shadow_edge = matches!(
-                        (reach[a], reach[b]),
-                        (Reach::Lit, Reach::Shadowed) | (Reach::Shadowed, Reach::Lit)
-                    );
-                    let own_edge = || match (positions[a], positions[b]) {
-                        (Some(p), Some(q)) => light.edge_between(p, q),
-                        _ => false,
-                    };
-                    shadow_edge || own_edge()
-                };
-                mark_differing_neighbours(width, height, differs)
-            })
-            .collect()
-    }
-}
-
-/// Marks both of any two pixels of a 2 x 2 block that differ: a pixel is marked
-/// if it differs from one of its eight neighbours.
-fn mark_differing_neighbours(
-    width: usize,
-    height: usize,
-    differs: impl Fn(usize, usize) -> bool,
-) -> Vec<bool> {
-    let mut marked = vec![false; width * height];
-    for y in 0..height {
-        for x in 0..width {
-            let here = y * width + x;
-            let right = (x + 1 < width).then_some(here + 1);
-            let below = (y + 1 < height).then_some(here + width);
-            let below_right = right.and(below).map(|b| b + 1);
-            let below_left = (x > 0).then_some(below).flatten().map(|b| b - 1);
-            for other in [right, below, below_right, below_left]
-                .into_iter()
-                .flatten()
-            {
-                if differs(here, other) {
-                    marked[here] = true;
-                    marked[other] = true;
-                }
-            }
-        }
-    }
-    marked
-}
-
-/// The point that a fragment shows, with normals on the viewer's side: of the
-/// shading normal, so that a light on its other side gives nothing.
-fn seen_point(view: &View, fragment: &Fragment) -> Option<SurfacePoint> {
-    if !fragment.is_covered() {
-        return None;
-    }
-    let mut point = view
-        .surface
-        .point(fragment.triangle, fragment.barycentrics, fragment.front);
-    let to_eye = view.camera.eye.as_vec3() - point.position;
-    if point.normal.dot(to_eye) < 0.0 {
-        point.normal = -point.normal;
-    }
-    Some(point)
-}
-
 struct Shading<'a> {
     view: &'a View<'a>,
     mesh: &'a RasterMesh<'a>,
     centers: &'a CenterBuffer,
+    points: &'a SeenPoints,
     /// Pixels of more than one surface.
     edges: &'a [bool],
     samples: &'a SampleBuffer,
-    reaches: &'a Reaches,
+    reaches: &'a [Vec<Reach>],
     mixed: &'a [Vec<bool>],
     lights: &'a [PlacedLight],
 }
@@ -239,23 +138,32 @@ impl Shading<'_> {
 
     /// The pixel's value, and whether indirect light was below zero there.
     fn pixel(&self, pixel: usize) -> (Vec3, bool) {
-        let samples = self.samples.pixel(pixel);
-        match samples.filter(|_| self.edges[pixel]) {
-            Some(samples) => self.sampled_pixel(pixel, samples),
-            None => self.shaded(
-                &self.centers.fragments[pixel],
-                |light| self.reaches.lights[light][pixel] == Reach::Lit,
-                |light| {
-                    let samples = samples.filter(|_| self.mixed[light][pixel])?;
-                    let sum = samples.iter().map(|f| self.light_at(light, f));
-                    Some(sum.sum::<Vec3>() / samples.len() as f32)
-                },
-            ),
+        match self.samples.pixel(pixel) {
+            Some(samples) if self.edges[pixel] => self.pixel_of_surfaces(pixel, samples),
+            samples => self.uniform_pixel(pixel, samples),
         }
     }
 
-    /// A pixel of more than one surface.
-    fn sampled_pixel(&self, pixel: usize, samples: &[Fragment; 16]) -> (Vec3, bool) {
+    /// A pixel of one surface, shaded at its centre; lights with a shadow's
+    /// edge in it are averaged over `samples`.
+    fn uniform_pixel(&self, pixel: usize, samples: Option<&[Fragment; 16]>) -> (Vec3, bool) {
+        let Some(point) = &self.points[pixel] else {
+            return (Vec3::ZERO, false);
+        };
+        let at_light = |light: usize| match samples {
+            Some(samples) if self.mixed[light][pixel] => self.light_mean(light, samples.iter()),
+            _ if self.reaches[light][pixel] == Reach::Lit => {
+                unoccluded(&self.lights[light].sample(point.position), point)
+            }
+            _ => Vec3::ZERO,
+        };
+        let direct = (0..self.lights.len()).fold(Vec3::ZERO, |sum, light| sum + at_light(light));
+        self.shaded(&self.centers.fragments[pixel], point, direct)
+    }
+
+    /// A pixel of more than one surface: each is shaded once, at its sample
+    /// closest to its middle, and weighted by the samples that it covers.
+    fn pixel_of_surfaces(&self, pixel: usize, samples: &[Fragment; 16]) -> (Vec3, bool) {
         let at = [
             pixel as u32 % self.view.camera.width,
             pixel as u32 / self.view.camera.width,
@@ -263,61 +171,55 @@ impl Shading<'_> {
         let mut value = Vec3::ZERO;
         let mut below_zero = false;
         for group in surface_groups(samples, self.mesh, &self.view.camera, at).iter() {
+            let fragment = &samples[group.representative as usize];
+            let Some(point) = seen_point(self.view, fragment) else {
+                continue;
+            };
             let members = || {
                 (0..16)
                     .filter(|k| group.members >> k & 1 == 1)
                     .map(|k| &samples[k])
             };
-            let fragment = &samples[group.representative as usize];
-            let mean = |light: usize| {
-                let sum = members().fold(Vec3::ZERO, |sum, f| sum + self.light_at(light, f));
-                sum / members().count() as f32
+            let at_light = |light: usize| {
+                if self.mixed[light][pixel] {
+                    self.light_mean(light, members())
+                } else {
+                    irradiance(
+                        self.view.surface,
+                        self.view.level,
+                        &self.lights[light],
+                        &point,
+                    )
+                }
             };
-            let whole =
-                |light: usize| (!self.mixed[light][pixel]).then(|| self.light_at(light, fragment));
-            let (shade, negative) = self.shaded(
-                fragment,
-                |_| false,
-                |light| Some(whole(light).unwrap_or_else(|| mean(light))),
-            );
-            value += shade * (members().count() as f32 / 16.0);
+            let direct =
+                (0..self.lights.len()).fold(Vec3::ZERO, |sum, light| sum + at_light(light));
+            let (shade, negative) = self.shaded(fragment, &point, direct);
+            value += shade * (group.members.count_ones() as f32 / 16.0);
             below_zero |= negative;
         }
         (value, below_zero)
     }
 
-    /// Irradiance of one light at a fragment, with a shadow ray.
-    fn light_at(&self, light: usize, fragment: &Fragment) -> Vec3 {
-        seen_point(self.view, fragment).map_or(Vec3::ZERO, |point| {
-            irradiance(
-                self.view.surface,
-                self.view.level,
-                &self.lights[light],
-                &point,
-            )
-        })
+    /// Irradiance of one light, the mean over fragments with a shadow ray each.
+    fn light_mean<'f>(&self, light: usize, fragments: impl Iterator<Item = &'f Fragment>) -> Vec3 {
+        let (sum, count) = fragments.fold((Vec3::ZERO, 0), |(sum, count), fragment| {
+            let at = seen_point(self.view, fragment).map_or(Vec3::ZERO, |point| {
+                irradiance(
+                    self.view.surface,
+                    self.view.level,
+                    &self.lights[light],
+                    &point,
+                )
+            });
+            (sum + at, count + 1)
+        });
+        sum / count as f32
     }
 
-    /// Value of a fragment. A light's irradiance is `known` already, or what it
-    /// is unoccluded where it is `lit`.
-    fn shaded(
-        &self,
-        fragment: &Fragment,
-        lit: impl Fn(usize) -> bool,
-        known: impl Fn(usize) -> Option<Vec3>,
-    ) -> (Vec3, bool) {
+    /// Value of a fragment under direct irradiance.
+    fn shaded(&self, fragment: &Fragment, point: &SurfacePoint, direct: Vec3) -> (Vec3, bool) {
         let view = self.view;
-        let Some(point) = seen_point(view, fragment) else {
-            return (Vec3::ZERO, false);
-        };
-        let mut direct = Vec3::ZERO;
-        for (index, light) in self.lights.iter().enumerate() {
-            direct += match known(index) {
-                Some(irradiance) => irradiance,
-                None if lit(index) => unoccluded(&light.sample(point.position), &point),
-                None => Vec3::ZERO,
-            };
-        }
         let (indirect, below_zero) = self.indirect(fragment);
         let material = view.surface.mesh.triangles[fragment.triangle as usize].material;
         let shaded = Shaded {
