@@ -21,6 +21,8 @@ mod key;
 mod laplacian;
 mod partition;
 mod prior;
+#[cfg(test)]
+mod response_tests;
 mod rows;
 mod run;
 #[cfg(test)]

@@ -7,6 +7,8 @@
 //! camera -> rasterizer -> direct light a pixel -> shade
 
 mod bounces;
+#[cfg(test)]
+mod closed_forms;
 mod component;
 mod kept;
 mod raster;

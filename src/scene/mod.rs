@@ -17,6 +17,8 @@ mod mesh;
 mod obj;
 mod place;
 mod placement;
+#[cfg(test)]
+pub(crate) mod sample_scenes;
 mod text;
 
 use glam::Vec3;

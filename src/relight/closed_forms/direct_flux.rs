@@ -1,0 +1,83 @@
+//! Half of a small light's flux falls on a wide plane, however near the light
+//! is. The plane's vertices, eight points each, only sample that.
+
+use std::f64::consts::PI;
+
+use glam::{DVec3, Vec3};
+
+use super::at_most;
+use crate::bake::RunSettings;
+use crate::maths::functions::acos;
+use crate::relight::kept::KeptDirect;
+use crate::scene::Scene;
+use crate::scene::sample_scenes::{Facing, SampleMesh, point_light};
+use crate::surface::{Detail, Surface};
+
+const HALF: f64 = 2.0;
+const EDGE: f64 = 0.125;
+/// Height of the light in edges, and what the mean error of eight points a
+/// vertex may be.
+const HEIGHTS: [(f64, f64); 5] = [
+    (8.0, 0.01),
+    (2.0, 0.01),
+    (1.0, 0.02),
+    (0.5, 0.05),
+    (0.25, 0.2),
+];
+
+fn plane() -> Scene {
+    let mut mesh = SampleMesh::default();
+    let corners = [DVec3::new(-HALF, 0.0, -HALF), DVec3::new(HALF, 1.0, HALF)];
+    mesh.box_sides(corners, Facing::Inward, &[(1, false)], 0);
+    mesh.scene(&[0.5], EDGE, 64)
+}
+
+/// Flux on the square under a light of 1 W/sr at (x, height, z): its solid
+/// angle, by the angles of its four corner rectangles.
+fn flux_on_plane(light: DVec3) -> f64 {
+    let corner = |a: f64, b: f64| {
+        let h = light.y;
+        let sine = a * b / ((a * a + h * h).sqrt() * (b * b + h * h).sqrt());
+        PI / 2.0 - acos(sine)
+    };
+    let mut sum = 0.0;
+    for a in [HALF - light.x, HALF + light.x] {
+        for b in [HALF - light.z, HALF + light.z] {
+            sum += corner(a, b);
+        }
+    }
+    sum
+}
+
+#[test]
+fn a_wide_plane_catches_half_the_flux() {
+    let scene = plane();
+    let surface = Surface::fronts(&scene, &Detail::of_keys(&scene.bake));
+    let scale = surface.placement.scale;
+    for (height, limit) in HEIGHTS {
+        let mut errors = Vec::new();
+        // Sixteen places within one cell: over corners, edges and triangles.
+        for place in 0..16 {
+            let (i, j) = (f64::from(place % 4), f64::from(place / 4));
+            let light = DVec3::new(0.031 * i + 0.003, height * EDGE, 0.031 * j + 0.001);
+            let placed = point_light(light, 1.0).place(&surface.placement).unwrap();
+            let mut kept = KeptDirect::default();
+            kept.update(&surface, RunSettings::silent().level, &[placed]);
+            let irradiance: Vec<Vec3> = kept.sum(surface.vertices.len());
+            let areas = surface.vertices.areas();
+            let caught: f64 = irradiance
+                .iter()
+                .zip(areas)
+                .map(|(e, &a)| f64::from(e.x) * f64::from(a))
+                .sum();
+            errors.push(caught / (scale * scale) / flux_on_plane(light) - 1.0);
+        }
+        let mean = errors.iter().map(|e| e.abs()).sum::<f64>() / 16.0;
+        let worst = errors.iter().fold(0.0_f64, |worst, e| worst.max(e.abs()));
+        at_most(
+            &format!("flux on a plane, light {height} edges high, worst of 16 {worst:.4}, mean"),
+            mean,
+            limit,
+        );
+    }
+}

@@ -1,0 +1,105 @@
+//! What is kept from frame to frame never shows: incremental frames have the
+//! bits of fresh ones.
+
+use glam::{DVec3, Vec3};
+
+use super::Baked;
+use crate::bake::RunSettings;
+use crate::relight::kept::KeptDirect;
+use crate::relight::{FrameSettings, Renderer};
+use crate::scene::sample_scenes::{point_light, room_with_blocks};
+use crate::scene::{Light, LightKind, Scene};
+use crate::simd::Level;
+
+fn lit_room() -> Scene {
+    let mut scene = room_with_blocks(false, 0.25, 128);
+    scene.lights = vec![
+        point_light(DVec3::new(0.2, 0.7, 0.5), 2.0),
+        point_light(DVec3::new(-0.6, -0.1, 0.4), 0.3),
+    ];
+    scene.camera.size = [48, 32];
+    scene
+}
+
+fn move_light(light: &mut Light, by: DVec3) {
+    match &mut light.kind {
+        LightKind::Point(point) => point.position += by,
+        other => panic!("{other:?} is no point light"),
+    }
+}
+
+fn bits(values: &[Vec3]) -> Vec<[u32; 3]> {
+    values
+        .iter()
+        .map(|v| v.to_array().map(f32::to_bits))
+        .collect()
+}
+
+#[test]
+fn kept_direct_light_has_the_bits_of_fresh_light() {
+    let mut scene = lit_room();
+    let room = Baked::new(&scene);
+    let mut kept = KeptDirect::default();
+    for step in 0..=20 {
+        let lights: Vec<_> = scene
+            .lights
+            .iter()
+            .map(|l| l.place(&room.surface.placement).unwrap())
+            .collect();
+        let computed = kept.update(&room.surface, Level::detect(), &lights);
+        assert_eq!(
+            computed,
+            if step == 0 { 2 } else { 1 },
+            "lights computed in step {step}"
+        );
+        let incremental = kept.sum(room.vertex_count());
+        assert_eq!(
+            bits(&incremental),
+            bits(&room.direct(&scene.lights)),
+            "step {step}"
+        );
+        let there = if step < 10 { 0.0625 } else { -0.0625 };
+        move_light(&mut scene.lights[0], DVec3::new(there, 0.0, -there));
+    }
+}
+
+#[test]
+fn a_frame_after_many_moves_has_the_bits_of_the_first() {
+    let scene = lit_room();
+    let settings = FrameSettings::of_scene(&scene);
+    let run = RunSettings::silent();
+    let mut renderer = Renderer::new(scene, None);
+    let first = renderer.frame(&settings, &run).unwrap().image;
+    for step in 0..20 {
+        let there = if step < 10 { 0.0625 } else { -0.0625 };
+        renderer.relight(|lights, _| move_light(&mut lights[0], DVec3::new(there, 0.0, 0.0)));
+        let moved = renderer.frame(&settings, &run).unwrap().image;
+        assert_eq!(moved == first, step == 19, "step {step}");
+    }
+}
+
+#[test]
+fn an_edited_albedo_gives_the_frame_of_a_fresh_scene_without_a_bake() {
+    let scene = lit_room();
+    let mut edited = scene.clone();
+    edited.materials[0].albedo = Vec3::new(0.9, 0.2, 0.05);
+    let settings = FrameSettings::of_scene(&scene);
+    let run = RunSettings::silent();
+
+    let mut renderer = Renderer::new(scene, None);
+    renderer.frame(&settings, &run).unwrap();
+    let preparation = renderer.preparation().clone();
+    renderer.relight(|_, materials| materials[0].albedo = edited.materials[0].albedo);
+    let frame = renderer.frame(&settings, &run).unwrap();
+    assert_eq!(*renderer.preparation(), preparation, "a new bake was made");
+    assert_eq!(
+        frame.computed_lights, 0,
+        "direct light does not know albedo"
+    );
+
+    let fresh = Renderer::new(edited, None).frame(&settings, &run).unwrap();
+    assert_eq!(
+        frame.image, fresh.image,
+        "the frame is not that of a fresh scene"
+    );
+}
