@@ -144,6 +144,12 @@ impl Basis {
                 function_count: functions as usize,
                 ..end
             };
+            // Before any memory is taken for what a file claims.
+            if part.slot_count > basis.vertex_of_slot.len() - end.first_slot
+                || part.function_count > part.slot_count
+            {
+                return Err("partitions that do not fit the vertices");
+            }
             basis.parts.push(part);
             basis
                 .part_of_slot
