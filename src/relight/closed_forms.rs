@@ -21,7 +21,7 @@ mod sides;
 
 use glam::{DVec3, Vec3};
 
-use super::Transport;
+use super::bounces::Transport;
 use super::kept::KeptDirect;
 use crate::bake::{Bake, BakeSettings, RunSettings, load_or_bake};
 use crate::scene::{Bounces, Light, Scene};

@@ -24,8 +24,6 @@ pub(crate) struct SurfaceTriangle {
     pub(crate) area: f32,
     /// Index of the material.
     pub(crate) material: u32,
-    /// Index of the file's triangle that this is a piece of.
-    pub(crate) source: u32,
 }
 
 /// Triangles whose corners at equal positions are one and the same.
@@ -87,7 +85,7 @@ impl LightingMesh {
         let mut welder = Welder::default();
         let mut mesh = Self::default();
         let mut seen = HashSet::new();
-        for (source, triangle) in scene.mesh.triangles.iter().enumerate() {
+        for triangle in &scene.mesh.triangles {
             let corners = triangle.corners.map(|c| placed[c as usize]);
             if !seen.insert(sorted_bits(corners)) {
                 mesh.duplicates += 1;
@@ -116,7 +114,6 @@ impl LightingMesh {
                     flat_normal,
                     area: 0.5 * length,
                     material: triangle.material,
-                    source: source as u32,
                 });
             });
         }

@@ -7,8 +7,10 @@
 
 mod detail;
 pub(crate) mod direct;
+mod forest;
 mod mesh;
 mod rays;
+mod shrunken;
 mod sides;
 mod t_junctions;
 mod tessellate;
@@ -116,20 +118,33 @@ impl Surface {
         from: &SurfacePoint,
         direction: Vec3,
     ) -> Option<Arrival> {
-        let ray = Ray {
-            origin: offset_origin(from.position, from.flat_normal, direction),
+        arrive(&self.mesh, &self.rays, level, from, direction)
+    }
+}
+
+fn arrive(
+    mesh: &LightingMesh,
+    rays: &RayTree,
+    level: Level,
+    from: &SurfacePoint,
+    direction: Vec3,
+) -> Option<Arrival> {
+    let origin = offset_origin(from.position, from.flat_normal, direction);
+    let hit = rays.closest(
+        level,
+        &Ray {
+            origin,
             direction,
             t_max: f32::INFINITY,
-        };
-        let hit = self.rays.closest(level, &ray)?;
-        let front = self.mesh.triangles[hit.triangle as usize]
-            .flat_normal
-            .dot(direction)
-            < 0.0;
-        Some(Arrival {
-            triangle: hit.triangle,
-            barycentrics: hit.barycentrics,
-            front,
-        })
-    }
+        },
+    )?;
+    let front = mesh.triangles[hit.triangle as usize]
+        .flat_normal
+        .dot(direction)
+        < 0.0;
+    Some(Arrival {
+        triangle: hit.triangle,
+        barycentrics: hit.barycentrics,
+        front,
+    })
 }

@@ -7,6 +7,7 @@
 
 use glam::Vec3;
 
+use super::forest::Forest;
 use super::mesh::{EdgeSide, LightingMesh, NONE, SurfaceTriangle, interpolated};
 use crate::maths::functions::{acos_f32, sin_f32};
 
@@ -78,22 +79,25 @@ pub(crate) struct Joints {
     groups: Vec<u32>,
 }
 
-/// Joins corners and triangles across smooth edges.
+/// Joins corners and triangles across smooth edges. Three or more triangles on
+/// an edge never join: where a wall stands on a floor, the floor's vertices on
+/// its two sides are different ones and nothing leaks.
 pub(crate) fn join(mesh: &LightingMesh) -> Joints {
     let mut corners = Forest::new(mesh.triangles.len() * 3);
     let mut patches = Forest::new(mesh.triangles.len());
     let mut edges = Vec::new();
     for sides in mesh.edge_sides().chunk_by(|a, b| a.corners == b.corners) {
-        for_pairs(mesh, sides, |first, second| {
-            let smooth = second.is_some_and(|second| join_pair(mesh, first, second, &mut corners));
-            if let (true, Some(second)) = (smooth, second) {
-                patches.join(first.triangle, second.triangle);
-            }
-            edges.push(MeshEdge {
-                corners: first.corners,
-                triangles: [first.triangle, second.map_or(NONE, |side| side.triangle)],
-                crease: !smooth,
-            });
+        let (smooth, second) = match sides {
+            [a, b] => (join_pair(mesh, *a, *b, &mut corners), b.triangle),
+            _ => (false, NONE),
+        };
+        if smooth {
+            patches.join(sides[0].triangle, second);
+        }
+        edges.push(MeshEdge {
+            corners: sides[0].corners,
+            triangles: [sides[0].triangle, second],
+            crease: !smooth,
         });
     }
     Joints {
@@ -104,33 +108,6 @@ pub(crate) fn join(mesh: &LightingMesh) -> Joints {
         groups: (0..mesh.triangles.len() as u32 * 3)
             .map(|c| corners.root(c))
             .collect(),
-    }
-}
-
-/// Pairs the triangles on one edge. Two belong together. Of more (surfaces
-/// that touch, or lie in one another), two pieces of one source triangle do,
-/// and two that are left over; others stand alone.
-fn for_pairs(
-    mesh: &LightingMesh,
-    sides: &[EdgeSide],
-    mut take: impl FnMut(EdgeSide, Option<EdgeSide>),
-) {
-    if let [first, second] = sides {
-        return take(*first, Some(*second));
-    }
-    let source = |side: &EdgeSide| mesh.triangles[side.triangle as usize].source;
-    let mut by_source = sides.to_vec();
-    by_source.sort_by_key(|side| (source(side), side.triangle));
-    let mut alone = Vec::new();
-    for same in by_source.chunk_by(|a, b| source(a) == source(b)) {
-        match same {
-            [first, second] => take(*first, Some(*second)),
-            others => alone.extend_from_slice(others),
-        }
-    }
-    match alone.as_slice() {
-        [first, second] => take(*first, Some(*second)),
-        others => others.iter().for_each(|side| take(*side, None)),
     }
 }
 
@@ -361,33 +338,6 @@ fn morton(position: Vec3) -> u64 {
         (v | (v << 2)) & 0x1249_2492_4924_9249
     };
     spread(position.x) << 2 | spread(position.y) << 1 | spread(position.z)
-}
-
-/// Disjoint sets whose representative is their lowest member.
-struct Forest {
-    parent: Vec<u32>,
-}
-
-impl Forest {
-    fn new(len: usize) -> Self {
-        Self {
-            parent: (0..len as u32).collect(),
-        }
-    }
-
-    fn root(&mut self, mut item: u32) -> u32 {
-        while self.parent[item as usize] != item {
-            let grandparent = self.parent[self.parent[item as usize] as usize];
-            self.parent[item as usize] = grandparent;
-            item = grandparent;
-        }
-        item
-    }
-
-    fn join(&mut self, a: u32, b: u32) {
-        let (a, b) = (self.root(a), self.root(b));
-        self.parent[a.max(b) as usize] = a.min(b);
-    }
 }
 
 #[cfg(test)]

@@ -119,8 +119,6 @@ fn only_open_bodies_have_backs() {
 }
 
 #[test]
-#[ignore = "fails: 725 backs, one for every front: a ray from inside meets the floor's front and the bottom's back \
-            at one distance and the lower index, the floor, wins; the backs stay dark and only cost memory"]
 fn a_closed_box_on_the_floor_has_no_backs() {
     let standing = Baked::new(&room_with_box(-1.0, &BOX_SIDES));
     assert_eq!(
