@@ -83,31 +83,39 @@ pub(super) fn mixed(
     reach: &[Reach],
 ) -> Vec<bool> {
     let (width, height) = (view.camera.width as usize, view.camera.height as usize);
-    let differs = |a: usize, b: usize| {
-        let shadow_edge = matches!(
-            (reach[a], reach[b]),
-            (Reach::Lit, Reach::Shadowed) | (Reach::Shadowed, Reach::Lit)
-        );
-        let own_edge = || match (&points[a], &points[b]) {
+    let shadow_edge = |pixel: usize| {
+        let opposite = match reach[pixel] {
+            Reach::Away => return false,
+            Reach::Lit => Reach::Shadowed,
+            Reach::Shadowed => Reach::Lit,
+        };
+        neighbourhood(pixel, width, height).any(|row| reach[row].contains(&opposite))
+    };
+    let own_edge = |pixel: usize| {
+        let crosses = |other: &Option<SurfacePoint>| match (&points[pixel], other) {
             (Some(p), Some(q)) => light.edge_between(p.position, q.position),
             _ => false,
         };
-        shadow_edge || own_edge()
+        light.has_edges()
+            && neighbourhood(pixel, width, height).any(|row| points[row].iter().any(crosses))
     };
     (0..width * height)
         .into_par_iter()
         .with_min_len(PIXELS_PER_TASK)
-        .map(|pixel| neighbours(pixel, width, height).any(|other| differs(pixel, other)))
+        .map(|pixel| shadow_edge(pixel) || own_edge(pixel))
         .collect()
 }
 
-/// The up to eight neighbours of a pixel.
-fn neighbours(pixel: usize, width: usize, height: usize) -> impl Iterator<Item = usize> {
+/// The pixels of the 3 x 3 block around a pixel, row by row.
+fn neighbourhood(
+    pixel: usize,
+    width: usize,
+    height: usize,
+) -> impl Iterator<Item = std::ops::Range<usize>> {
     let (x, y) = (pixel % width, pixel / width);
-    let columns = x.saturating_sub(1)..(x + 2).min(width);
-    let rows = y.saturating_sub(1)..(y + 2).min(height);
-    rows.flat_map(move |row| columns.clone().map(move |column| row * width + column))
-        .filter(move |&other| other != pixel)
+    let (first, end) = (x.saturating_sub(1), (x + 2).min(width));
+    (y.saturating_sub(1)..(y + 2).min(height))
+        .map(move |row| row * width + first..row * width + end)
 }
 
 #[cfg(test)]
@@ -115,13 +123,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_corner_has_three_neighbours_and_the_middle_eight() {
-        assert_eq!(neighbours(0, 4, 3).collect::<Vec<_>>(), [1, 4, 5]);
-        assert_eq!(
-            neighbours(5, 4, 3).collect::<Vec<_>>(),
-            [0, 1, 2, 4, 6, 8, 9, 10]
-        );
-        assert_eq!(neighbours(11, 4, 3).count(), 3);
-        assert_eq!(neighbours(0, 1, 1).count(), 0);
+    fn a_corner_has_a_block_of_four_and_the_middle_of_nine() {
+        let rows = |pixel| neighbourhood(pixel, 4, 3).collect::<Vec<_>>();
+        assert_eq!(rows(0), [0..2, 4..6]);
+        assert_eq!(rows(5), [0..3, 4..7, 8..11]);
+        assert_eq!(rows(11), [6..8, 10..12]);
+        assert_eq!(neighbourhood(0, 1, 1).collect::<Vec<_>>(), [0..1]);
     }
 }

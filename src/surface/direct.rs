@@ -67,11 +67,32 @@ pub(crate) fn irradiance(
 }
 
 /// Fixed points of a vertex's area, the same in every frame.
-pub(super) fn area_point(surface: &Surface, vertex: usize, index: u32) -> SurfacePoint {
-    surface.sample_point(
-        vertex,
-        ScrambledSobol::new(SEED, vertex as u32).point2(index),
-    )
+pub(super) struct AreaPoints<'a> {
+    surface: &'a Surface,
+    vertex: usize,
+    set: ScrambledSobol,
+}
+
+impl<'a> AreaPoints<'a> {
+    pub(super) fn of(surface: &'a Surface, vertex: usize) -> Self {
+        Self {
+            surface,
+            vertex,
+            set: ScrambledSobol::new(SEED, vertex as u32),
+        }
+    }
+
+    /// Point `index`, below [`AREA_POINTS`].
+    pub(super) fn point(&self, index: u32) -> SurfacePoint {
+        self.surface
+            .sample_point(self.vertex, self.set.point2(index))
+    }
+
+    /// Numbers of the points that are in the open, ascending.
+    fn open(&self) -> impl Iterator<Item = u32> + use<> {
+        let open = self.surface.vertices.open_points(self.vertex);
+        (0..AREA_POINTS).filter(move |index| open >> index & 1 == 1)
+    }
 }
 
 /// Irradiance of one light at every vertex by one point each, W/m2: the first
@@ -84,17 +105,14 @@ pub(crate) fn at_vertices_by_one_point(
     (0..surface.vertices.len())
         .into_par_iter()
         .with_min_len(256)
-        .map(|v| match open_indices(surface, v).next() {
-            Some(index) => irradiance(surface, level, light, &area_point(surface, v, index)),
-            None => Vec3::ZERO,
+        .map(|v| {
+            let points = AreaPoints::of(surface, v);
+            let first = points.open().next();
+            first.map_or(Vec3::ZERO, |index| {
+                irradiance(surface, level, light, &points.point(index))
+            })
         })
         .collect()
-}
-
-/// Numbers of a vertex's area points that are in the open, ascending.
-fn open_indices(surface: &Surface, vertex: usize) -> impl Iterator<Item = u32> {
-    let open = surface.vertices.open_points(vertex);
-    (0..AREA_POINTS).filter(move |index| open >> index & 1 == 1)
 }
 
 /// Irradiance of one light averaged over every vertex's area, W/m2.
@@ -125,13 +143,16 @@ fn area_mean(
     vertex: usize,
     first: Vec3,
 ) -> Vec3 {
-    let rest = open_indices(surface, vertex).skip(1);
-    let (count, sum) = rest.fold((1, first), |(count, sum), index| {
-        (
-            count + 1,
-            sum + irradiance(surface, level, light, &area_point(surface, vertex, index)),
-        )
-    });
+    let points = AreaPoints::of(surface, vertex);
+    let (count, sum) = points
+        .open()
+        .skip(1)
+        .fold((1, first), |(count, sum), index| {
+            (
+                count + 1,
+                sum + irradiance(surface, level, light, &points.point(index)),
+            )
+        });
     sum / count as f32
 }
 

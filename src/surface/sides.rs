@@ -67,10 +67,9 @@ pub(super) fn open_points(surface: &Surface, level: Level) -> Vec<u8> {
     (0..surface.vertices.len())
         .into_par_iter()
         .map(|vertex| {
+            let points = direct::AreaPoints::of(surface, vertex);
             (0..direct::AREA_POINTS)
-                .filter(|&index| {
-                    !is_inside(&direct::area_point(surface, vertex, index), vertex, index)
-                })
+                .filter(|&index| !is_inside(&points.point(index), vertex, index))
                 .fold(0, |bits, index| bits | 1 << index)
         })
         .collect()

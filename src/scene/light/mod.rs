@@ -166,6 +166,11 @@ impl PlacedLight {
         }
     }
 
+    /// Whether the light has edges of its own; see [`Self::edge_between`].
+    pub(crate) fn has_edges(&self) -> bool {
+        matches!(self, Self::Spot(_))
+    }
+
     /// Whether the light has an edge of its own between the two points, such
     /// as the rim of a spot's cone: there a pixel takes more than one sample.
     pub(crate) fn edge_between(&self, a: Vec3, b: Vec3) -> bool {
