@@ -1,6 +1,7 @@
 //! What a bake and a frame cost, on the statues: ignored by default, since time
 //! on a shared machine is no pass or fail. Run it as
 //! `cargo test --release --test timing -- --ignored --nocapture`.
+#![allow(clippy::print_stdout, reason = "its figures are for reading")]
 
 use std::path::Path;
 use std::time::Instant;
