@@ -105,7 +105,7 @@ impl Compressor<'_> {
             .map(|k| k as u32)
             .collect();
         self.keep_constants(&target, &mut kept, scratch);
-        self.quantise_basis(&target, &kept, scratch, &mut rows);
+        self.quantise_basis(&target, &near_sums, &kept, scratch, &mut rows);
         self.clear(scratch);
         rows
     }
@@ -225,6 +225,7 @@ impl Compressor<'_> {
     fn quantise_basis(
         &self,
         target: &[f64; GROUP],
+        near_sums: &[f64; GROUP],
         kept: &[u32],
         scratch: &Scratch,
         rows: &mut GroupRows,
@@ -262,18 +263,17 @@ impl Compressor<'_> {
             }
         }
         for lane in 0..GROUP {
-            rows.basis_steps[lane] = scaled_step(target[lane], responses[lane]);
+            if target[lane] > 0.0 && responses[lane] <= 0.0 {
+                // Its constants were quantised away beside larger entries: the
+                // near field answers constant light for them.
+                let near = near_sums[lane];
+                if near > 0.0 {
+                    rows.near_steps[lane] *= ((near + target[lane]) / near) as f32;
+                }
+            } else if target[lane] > 0.0 {
+                rows.basis_steps[lane] = (target[lane] / responses[lane]) as f32;
+            }
         }
-    }
-}
-
-/// The step with which a quantised row of response `response` (in steps)
-/// answers constant light with `target`.
-fn scaled_step(target: f64, response: f64) -> f32 {
-    if target > 0.0 && response > 0.0 {
-        (target / response) as f32
-    } else {
-        0.0
     }
 }
 

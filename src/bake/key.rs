@@ -4,7 +4,7 @@ use super::BakeSettings;
 use crate::surface::Surface;
 
 /// Changes whenever the same input gives another bake or the file another form.
-pub(super) const ALGORITHM_VERSION: u32 = 3;
+pub(super) const ALGORITHM_VERSION: u32 = 4;
 
 /// Content key of a bake.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -33,6 +33,8 @@ impl BakeKey {
             surface.mesh.positions.len() as u32,
             surface.mesh.triangles.len() as u32,
         ]);
+        let extent = (surface.placement.extent * surface.placement.scale).to_bits();
+        words(&[extent as u32, (extent >> 32) as u32]);
         for position in &surface.mesh.positions {
             words(&position.to_array().map(f32::to_bits));
         }

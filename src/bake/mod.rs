@@ -13,12 +13,14 @@ mod compress;
 mod dense;
 mod eigen;
 mod energy;
+mod excitation;
 mod file;
 mod function_shares;
 mod graph;
 mod inertia;
 mod key;
 mod laplacian;
+mod neighbours;
 mod partition;
 mod prior;
 #[cfg(test)]
@@ -37,8 +39,9 @@ use thiserror::Error;
 
 use basis::{Basis, BasisError};
 use compress::{Budget, Compressor};
+use excitation::Excitation;
 use function_shares::functions_by_area;
-use graph::VertexGraph;
+use neighbours::vertex_graph;
 use partition::{PartitionSettings, partition};
 use rows::{GroupRows, Rows};
 use transfer::{GROUP, Sampling, sample_group};
@@ -49,15 +52,12 @@ pub use settings::BakeSettings;
 pub use stats::BakeStats;
 
 use crate::simd::Level;
-use crate::surface::{NONE, Surface};
+use crate::surface::Surface;
 
 /// Groups that the threshold is chosen from, spread evenly over the scene.
 const PILOT_GROUPS: usize = 256;
 /// Groups of eight receivers that one task of [`Bake::apply`] takes.
 const GROUPS_PER_TASK: usize = 32;
-/// Cost of an edge of mean length between vertices of equal normals.
-const MEAN_EDGE_COST: f32 = 64.0;
-
 /// The precomputed operator of a scene.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Bake {
@@ -92,10 +92,8 @@ impl Bake {
     ) -> Result<Self, BakeError> {
         let basis = spectral_basis(surface, settings, run)?;
         let mut sigma = Excitation::new(&basis);
-        run.progress.stage("prior lights", 1);
-        let light_count = prior::for_each(surface, run.level, |brightness| {
-            sigma.add(&basis, run.level, brightness)
-        });
+        let add = |brightness: &[f32]| sigma.add(&basis, run.level, brightness);
+        let light_count = prior::for_each(surface, run, add).ok_or(BakeError::Cancelled)?;
         let sigma = sigma.sigma(light_count);
         let (rows, stats) = compressed_rows(surface, settings, run, &basis, &sigma)?;
         let mut bake = Self {
@@ -198,93 +196,6 @@ fn spectral_basis(
     })
 }
 
-/// Vertices of one triangle and side are neighbours; an edge costs its length
-/// times a factor for the angle between the normals.
-fn vertex_graph(surface: &Surface) -> VertexGraph {
-    let positions = surface.vertices.positions();
-    let normals = surface.vertices.normals();
-    let mut pairs = Vec::new();
-    for triangle in 0..surface.mesh.triangles.len() as u32 {
-        for front in [true, false] {
-            let corners = surface.vertices.of_triangle(triangle, front);
-            for k in 0..3 {
-                let (a, b) = (corners[k], corners[(k + 1) % 3]);
-                if a != NONE && b != NONE && a != b {
-                    pairs.push((a.min(b), a.max(b)));
-                }
-            }
-        }
-    }
-    pairs.sort_unstable();
-    pairs.dedup();
-    let length = |a: u32, b: u32| (positions[a as usize] - positions[b as usize]).length();
-    let total: f64 = pairs.iter().map(|&(a, b)| f64::from(length(a, b))).sum();
-    let mean = (total / pairs.len().max(1) as f64) as f32;
-    let edges = pairs.into_iter().map(|(a, b)| {
-        let cost = (length(a, b) / mean * MEAN_EDGE_COST).clamp(1.0, 1e6) as u32;
-        (
-            a,
-            b,
-            cost * angle_class(normals[a as usize].dot(normals[b as usize])),
-        )
-    });
-    let edges: Vec<(u32, u32, u32)> = edges.collect();
-    VertexGraph::from_edges(surface.vertices.len() as u32, &edges)
-        .expect("triangles name vertices that exist")
-}
-
-/// 1, 2 or 4 for normals within 5 degrees, within 15, or farther apart.
-fn angle_class(cosine: f32) -> u32 {
-    if cosine > 0.9962 {
-        1
-    } else if cosine > 0.9659 {
-        2
-    } else {
-        4
-    }
-}
-
-/// Sum over prior lights of the squared coefficient of each function.
-struct Excitation {
-    squares: Vec<f64>,
-}
-
-impl Excitation {
-    /// sigma_k is at least this share of the mean sigma.
-    const FLOOR: f64 = 0.05;
-
-    fn new(basis: &Basis) -> Self {
-        Self {
-            squares: vec![0.0; basis.function_count()],
-        }
-    }
-
-    fn add(&mut self, basis: &Basis, level: Level, brightness: &[f32]) {
-        let in_slots: Vec<[f32; 3]> = basis
-            .vertex_of_slot()
-            .iter()
-            .map(|&v| [brightness[v as usize], 0.0, 0.0])
-            .collect();
-        for (square, [c, ..]) in self
-            .squares
-            .iter_mut()
-            .zip(basis.project_rgb(level, &in_slots))
-        {
-            *square += f64::from(c) * f64::from(c);
-        }
-    }
-
-    fn sigma(self, light_count: usize) -> Vec<f32> {
-        let sigma: Vec<f64> = self
-            .squares
-            .iter()
-            .map(|s| (s / light_count as f64).sqrt())
-            .collect();
-        let mean = sigma.iter().sum::<f64>() / sigma.len().max(1) as f64;
-        sigma.into_iter().map(|s| if s < mean * Self::FLOOR { mean * Self::FLOOR } else { s } as f32).collect()
-    }
-}
-
 /// Samples and compresses all rows.
 fn compressed_rows(
     surface: &Surface,
@@ -310,6 +221,9 @@ fn compressed_rows(
     let groups = receiver_groups(basis);
     let threshold = pilot_threshold(&sampling, &compressor, &groups);
 
+    if run.progress.cancelled() {
+        return Err(BakeError::Cancelled);
+    }
     run.progress.stage("transfer", groups.len() as u64);
     let sampled: Vec<(GroupRows, stats::GroupStats)> = groups
         .par_iter()
@@ -402,6 +316,9 @@ fn bake(
     let backs = surface.visible_backs(run.level);
     surface.add_backs(&backs);
     let open_points = surface.open_points(run.level);
+    if run.progress.cancelled() {
+        return Err(BakeError::Cancelled);
+    }
     surface.vertices.set_open_points(open_points.clone());
     Bake::compute(surface, backs, open_points, settings, run)
 }

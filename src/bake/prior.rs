@@ -3,6 +3,7 @@
 
 use glam::Vec3;
 
+use super::RunSettings;
 use crate::maths::functions::{exp, ln};
 use crate::maths::hash::uniform;
 use crate::maths::sampling::{pick, sphere_direction};
@@ -107,11 +108,22 @@ fn free_point(
 
 /// Irradiance of every prior light at the vertices (albedo 1), each scaled to
 /// RMS 1 and handed over one at a time, the constant light last. Lights that
-/// reach nothing are left out. Returns how many were handed over.
-pub(super) fn for_each(surface: &Surface, level: Level, mut take: impl FnMut(&[f32])) -> usize {
+/// reach nothing are left out. Returns how many were handed over, or `None` if
+/// the job was stopped.
+pub(super) fn for_each(
+    surface: &Surface,
+    run: &RunSettings,
+    mut take: impl FnMut(&[f32]),
+) -> Option<usize> {
     let mut count = 0;
-    for light in lights(surface, level) {
-        let irradiance = direct::at_vertices_by_one_point(surface, level, &light);
+    let lights = lights(surface, run.level);
+    run.progress.stage("prior lights", lights.len() as u64);
+    for light in lights {
+        if run.progress.cancelled() {
+            return None;
+        }
+        run.progress.advance(1);
+        let irradiance = direct::at_vertices_by_one_point(surface, run.level, &light);
         let mut brightness: Vec<f32> = irradiance.iter().map(|e| e.x).collect();
         let squares: f64 = brightness
             .iter()
@@ -127,5 +139,5 @@ pub(super) fn for_each(surface: &Surface, level: Level, mut take: impl FnMut(&[f
         }
     }
     take(&vec![1.0; surface.vertices.len()]);
-    count + 1
+    Some(count + 1)
 }

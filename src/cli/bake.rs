@@ -11,14 +11,9 @@ use super::run::{cache_folder, load_scene, warn, with_run};
 pub(super) fn execute(arguments: &Bake) -> Result<Report, CliError> {
     let scene = load_scene(&arguments.scene)?;
     let folder = cache_folder(&arguments.scene.run);
-    if folder.is_none() {
-        return Err(CliError::Usage(
-            "a bake without a cache would be lost; leave out --no-cache, or name a --cache-dir"
-                .to_owned(),
-        ));
-    }
     let mut renderer = with_run(&arguments.scene.run, |run| {
         let mut renderer = Renderer::new(scene, folder.as_deref());
+        warn(renderer.take_warnings());
         renderer.bake(run)?;
         Ok(renderer)
     })?;

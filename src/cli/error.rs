@@ -20,6 +20,8 @@ pub(super) enum CliError {
     Bake(#[from] BakeError),
     #[error(transparent)]
     Sizes(#[from] SizeMismatch),
+    #[error("standard output could not be written; the files were")]
+    StandardOutput(#[source] std::io::Error),
     #[error("{0}")]
     Usage(String),
     #[error("stopped; nothing was written")]
@@ -31,8 +33,9 @@ impl CliError {
         match self {
             Self::Scene(error) if error.is_io() => 3,
             Self::Output(OutputError::UnknownFormat(_)) => 2,
-            Self::Output(_) => 3,
+            Self::Output(_) | Self::StandardOutput(_) => 3,
             Self::Stopped
+            | Self::Render(RenderError::Cancelled)
             | Self::Bake(BakeError::Cancelled)
             | Self::Render(RenderError::Bake(BakeError::Cancelled)) => {
                 signals::exit_code().unwrap_or(1)

@@ -25,11 +25,12 @@ use report::Report;
 pub(crate) fn main() -> ExitCode {
     let arguments = Arguments::parse();
     let json = arguments.command.run_arguments().json;
-    match execute(&arguments.command) {
-        Ok(report) => {
-            report.print(json);
-            ExitCode::from(report.exit_code)
-        }
+    let printed = execute(&arguments.command).and_then(|report| {
+        report.print(json)?;
+        Ok(report.exit_code)
+    });
+    match printed {
+        Ok(code) => ExitCode::from(code),
         Err(error) => {
             error.print();
             ExitCode::from(error.exit_code())

@@ -26,6 +26,7 @@ pub(super) fn execute(arguments: &Render) -> Result<Report, CliError> {
 
     let (renderer, frame) = with_run(&arguments.scene.run, |run| {
         let mut renderer = Renderer::new(scene, folder.as_deref());
+        warn(renderer.take_warnings());
         let frame = renderer.frame(&settings, run)?;
         Ok((renderer, frame))
     })?;

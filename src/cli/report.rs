@@ -3,6 +3,8 @@
 use relume::{BakeFigures, SceneFigures, Stages};
 use serde_json::{Map, Value, json};
 
+use super::error::CliError;
+
 /// A finished command.
 pub(super) struct Report {
     pub(super) json: Value,
@@ -12,16 +14,21 @@ pub(super) struct Report {
 
 impl Report {
     /// Prints the one or the other on standard output. A reader that has gone
-    /// away (a closed pipe) is no error.
-    pub(super) fn print(&self, json: bool) {
-        use std::io::Write;
+    /// away (a closed pipe) is no error; a full disk is.
+    pub(super) fn print(&self, json: bool) -> Result<(), CliError> {
+        use std::io::{ErrorKind, Write};
         let mut out = std::io::stdout().lock();
         let written = if json {
             writeln!(out, "{}", self.json)
         } else {
             writeln!(out, "{}", self.text)
         };
-        let _ = written.and_then(|()| out.flush());
+        match written.and_then(|()| out.flush()) {
+            Err(error) if error.kind() != ErrorKind::BrokenPipe => {
+                Err(CliError::StandardOutput(error))
+            }
+            _ => Ok(()),
+        }
     }
 }
 

@@ -128,6 +128,9 @@ mod tests {
         assert_eq!(rows(0), [0..2, 4..6]);
         assert_eq!(rows(5), [0..3, 4..7, 8..11]);
         assert_eq!(rows(11), [6..8, 10..12]);
-        assert_eq!(neighbourhood(0, 1, 1).map(|row| row.len()).sum::<usize>(), 1);
+        assert_eq!(
+            neighbourhood(0, 1, 1).map(|row| row.len()).sum::<usize>(),
+            1
+        );
     }
 }

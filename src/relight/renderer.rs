@@ -26,6 +26,9 @@ pub enum RenderError {
     /// The bounces do not converge.
     #[error(transparent)]
     Bounces(#[from] BounceError),
+    /// The job was stopped.
+    #[error("the frame was stopped; nothing was written")]
+    Cancelled,
 }
 
 /// What a frame shows and how: settings that change its bits.
@@ -274,7 +277,7 @@ impl Renderer {
             indirect: &indirect,
             component: settings.component,
         };
-        let picture = draw(&view, &mut stages);
+        let picture = draw(&view, &mut stages, run.progress).ok_or(RenderError::Cancelled)?;
         Ok(Frame {
             component: settings.component,
             image: picture.image,

@@ -19,6 +19,7 @@ use super::raster::{
 };
 use super::reach::{Reach, SeenPoints, mixed, seen_point, seen_points, trace};
 use super::stages::Stages;
+use crate::bake::Progress;
 use crate::frame::Image;
 use crate::scene::{PlacedCamera, PlacedLight};
 use crate::simd::Level;
@@ -44,8 +45,9 @@ pub(crate) struct Picture {
     pub(crate) clamped_pixels: u64,
 }
 
-/// Draws a view.
-pub(crate) fn draw(view: &View, stages: &mut Stages) -> Picture {
+/// Draws a view; `None` if it was stopped, which is asked between stages.
+pub(crate) fn draw(view: &View, stages: &mut Stages, progress: &dyn Progress) -> Option<Picture> {
+    let go_on = || (!progress.cancelled()).then_some(());
     let corners: Vec<[u32; 3]> = view
         .surface
         .mesh
@@ -60,19 +62,21 @@ pub(crate) fn draw(view: &View, stages: &mut Stages) -> Picture {
         edges: &view.surface.edges,
     };
     let centers = stages.time("raster", || rasterize(&view.camera, &mesh));
+    go_on()?;
     let edges = stages.time("edges", || edge_pixels(&view.camera, &mesh, &centers));
     let lights: &[PlacedLight] = if view.component.needs_direct() {
         view.lights
     } else {
         &[]
     };
+    go_on()?;
     let points = stages.time("points", || seen_points(view, &centers));
     let reaches: Vec<Vec<Reach>> = stages.time("shadow rays", || {
         lights
             .iter()
-            .map(|light| trace(view, light, &points))
-            .collect()
-    });
+            .map(|light| go_on().map(|()| trace(view, light, &points)))
+            .collect::<Option<_>>()
+    })?;
     let mixed: Vec<Vec<bool>> = stages.time("shadow edges", || {
         lights
             .iter()
@@ -86,6 +90,7 @@ pub(crate) fn draw(view: &View, stages: &mut Stages) -> Picture {
             .zip(light)
             .for_each(|(masked, mixed)| *masked |= mixed);
     }
+    go_on()?;
     let samples = stages.time("samples", || rasterize_samples(&view.camera, &mesh, &mask));
     let shading = Shading {
         view,
@@ -98,7 +103,10 @@ pub(crate) fn draw(view: &View, stages: &mut Stages) -> Picture {
         mixed: &mixed,
         lights,
     };
-    stages.time("shade", || shading.picture())
+    go_on()?;
+    let picture = stages.time("shade", || shading.picture());
+    go_on()?;
+    Some(picture)
 }
 
 struct Shading<'a> {

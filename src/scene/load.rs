@@ -9,7 +9,7 @@ use super::file::fields::{key_error, suggestion};
 use super::obj::{self, Loaded, ReadFile};
 use super::place::Place;
 use super::text::strict_text;
-use super::{Material, Override, Placement, Scene, SceneError};
+use super::{Material, Mesh, Override, Placement, Scene, SceneError};
 
 /// What materials can ask for that frames lack so far.
 const NOT_YET: [(&str, Asks); 3] = [
@@ -45,6 +45,7 @@ impl Scene {
         let asked_by = format!("{}: ", document.mesh_place);
         let mesh_bytes = read_for(&asked_by, &document.mesh, read)?;
         let mut loaded = obj::load(&mesh_bytes, &document.mesh, document.normals, read)?;
+        check_extent(&loaded.mesh, &document.mesh)?;
         override_materials(&mut loaded, &document)?;
         let mut warnings = document.warnings;
         warnings.extend(not_rendered_yet(&loaded));
@@ -68,6 +69,23 @@ impl Scene {
         let (lower, upper) = self.mesh.bounds();
         Placement::of_bounds(lower, upper)
     }
+}
+
+/// A mesh whose squares of lengths vanish in double precision has no areas.
+const LEAST_EXTENT: f64 = 1e-30;
+
+fn check_extent(mesh: &Mesh, path: &Path) -> Result<(), SceneError> {
+    let (lower, upper) = mesh.bounds();
+    let extent = (upper - lower).max_element();
+    if extent >= LEAST_EXTENT {
+        return Ok(());
+    }
+    Err(SceneError::Mesh {
+        place: path.display().to_string(),
+        message: format!(
+            "the mesh is {extent:e} units wide; the least is {LEAST_EXTENT:e}, so scale it up"
+        ),
+    })
 }
 
 fn read_for(place: &str, path: &Path, read: ReadFile<'_>) -> Result<Vec<u8>, SceneError> {

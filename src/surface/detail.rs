@@ -10,6 +10,10 @@ const DEFAULT_EDGE: f64 = 1.0 / 40.0;
 const LEAST_VERTICES: usize = 4_000;
 /// Tessellation makes no more vertices than this unless the user says so.
 const MOST_VERTICES: usize = 500_000;
+/// Pieces that are certainly too many, for each vertex that is allowed.
+const PIECES_PER_VERTEX: f64 = 8.0;
+/// Nothing in a placed scene is longer, placed units.
+const LONGEST_EDGE: f32 = 4.0;
 /// Factor between two edge lengths that are tried: half the area of a triangle.
 const STEP: f32 = std::f32::consts::FRAC_1_SQRT_2;
 /// Tries either way; twenty steps are a factor of 1,000 in length.
@@ -43,7 +47,8 @@ pub(super) fn build(
 ) -> (LightingMesh, Joints, LightingVertices, f32) {
     let most = detail.most_vertices.unwrap_or(MOST_VERTICES);
     let wanted = detail.max_edge.unwrap_or(DEFAULT_EDGE * placement.extent);
-    let mut edge = (wanted * placement.scale) as f32;
+    let finest = finest_edge(scene, placement, most);
+    let mut edge = f64::max(wanted * placement.scale, finest).min(f64::from(LONGEST_EDGE)) as f32;
     let mut built = cut(scene, placement, edge);
     if detail.max_edge.is_none() {
         for _ in 0..MOST_STEPS {
@@ -67,6 +72,23 @@ pub(super) fn build(
         built = cut(scene, placement, edge);
     }
     (built.0, built.1, built.2, edge)
+}
+
+/// Placed edges below this length would certainly make several times `most`
+/// vertices: a bound before anything is cut, from the areas and the longest
+/// edges of the triangles.
+fn finest_edge(scene: &Scene, placement: &Placement, most: usize) -> f64 {
+    let pieces = (most as f64) * PIECES_PER_VERTEX;
+    let (mut area, mut length) = (0.0, 0.0);
+    for triangle in &scene.mesh.triangles {
+        let [a, b, c] = triangle
+            .corners
+            .map(|i| scene.mesh.positions[i as usize] * placement.scale);
+        area += 0.5 * (b - a).cross(c - a).length();
+        length += (b - a).length().max((c - b).length()).max((a - c).length());
+    }
+    // A piece with no edge above e has at most 0.433 e^2 of area.
+    (area / (0.433 * pieces)).sqrt().max(length / pieces)
 }
 
 fn cut(

@@ -4,19 +4,21 @@
 
 use rayon::prelude::*;
 
+use super::forest::Forest;
 use super::shrunken::Shrunken;
 use super::{NONE, Surface, SurfacePoint, direct};
 use crate::maths::sampling::cosine_direction;
 use crate::maths::sobol::ScrambledSobol;
 use crate::simd::Level;
 
-/// Rays from a vertex's back. A closed body shows none of them a front or the
-/// open, by construction of the ray test, so more rays only find smaller holes.
-const PILOT_RAYS: u32 = 64;
-/// Pilot rays that must see something. Faces that were drawn in apart from each
-/// other overlap by 2e-5 where they met, so one ray in 10,000 slips out (a box
-/// of 725 vertices on a floor had 5 that saw with one ray, none with two).
-const SEEING_RAYS: usize = 2;
+/// Rays from a vertex's back. They find out what its cavity is, not what the
+/// vertex sees, so a few are enough.
+const PILOT_RAYS: u32 = 32;
+/// Share of a cavity's rays that must meet a front or the open. Where faces
+/// touched, drawing them in leaves overlaps of 2e-5 through which one ray in
+/// 10,000 slips (a box of 725 vertices on a floor: 5 of 46,400); a mouth of
+/// this share lets in as little light as it shows.
+const LEAST_OPEN_SHARE: f64 = 0.005;
 /// Rays from a vertex's front, only in scenes whose backs see nothing.
 const FRONT_PILOT_RAYS: u32 = 8;
 /// Rays from each point of a vertex's area that tell whether it is in the open.
@@ -24,29 +26,85 @@ const OPEN_RAYS: u32 = 4;
 /// Seed of the pilot rays, apart from the transfer's.
 const SEED: u32 = 0x51de;
 
-/// Marks front vertices whose back sees a front side or the open, and their
-/// neighbours, between which values are interpolated.
+/// Marks front vertices whose back can be seen or lit.
 ///
-/// Where no back sees anything but backs and no front sees anything at all,
-/// the only place for light to bounce is the inside of a body, so all backs
-/// exist: a room that was modelled inside out.
+/// Backs that see each other enclose one cavity. A cavity that sees a front or
+/// the open is part of the world, all of it: an alcove lights its own depths.
+/// One that does not is the inside of a closed body, where no light is, and
+/// has no vertices.
+///
+/// Where all cavities are closed and no front sees anything at all, the only
+/// place for light to bounce is inside a body, so all backs exist: a room that
+/// was modelled inside out.
 pub(super) fn visible_backs(surface: &Surface, level: Level) -> Vec<bool> {
     let shrunken = Shrunken::of(surface);
-    let seen: Vec<bool> = (0..surface.vertices.front_count())
+    let views: Vec<BackView> = (0..surface.vertices.front_count())
         .into_par_iter()
-        .map(|v| back_sees(surface, &shrunken, level, v))
+        .map(|vertex| BackView::of(surface, &shrunken, level, vertex))
         .collect();
-    if !seen.contains(&true) && !fronts_see_anything(surface, level) {
-        return vec![true; seen.len()];
+    let cavities = cavities(surface, &views);
+    let mut open = vec![0_u64; views.len()];
+    let mut rays = vec![0_u64; views.len()];
+    for (view, &cavity) in views.iter().zip(&cavities) {
+        open[cavity as usize] += u64::from(view.open_rays);
+        rays[cavity as usize] += u64::from(PILOT_RAYS);
     }
-    let mut wanted = seen.clone();
-    for triangle in 0..surface.mesh.triangles.len() as u32 {
-        let corners = surface.vertices.of_triangle(triangle, true);
-        if corners.iter().any(|&v| seen[v as usize]) {
-            corners.iter().for_each(|&v| wanted[v as usize] = true);
-        }
+    let is_open = |&cavity: &u32| {
+        open[cavity as usize] as f64 >= LEAST_OPEN_SHARE * rays[cavity as usize] as f64
+    };
+    let wanted: Vec<bool> = cavities.iter().map(is_open).collect();
+    if !wanted.contains(&true) && !fronts_see_anything(surface, level) {
+        return vec![true; wanted.len()];
     }
     wanted
+}
+
+/// What the pilot rays of a vertex's back met.
+struct BackView {
+    /// Rays that met a front or escaped.
+    open_rays: u32,
+    /// Triangles whose backs the others met.
+    backs: Vec<u32>,
+}
+
+impl BackView {
+    fn of(surface: &Surface, shrunken: &Shrunken, level: Level, vertex: usize) -> Self {
+        let mut view = Self {
+            open_rays: 0,
+            backs: Vec::new(),
+        };
+        for u in pilot_uniforms(vertex, PILOT_RAYS) {
+            let point = shrunken.sample_point(surface, vertex, [u[0], u[1]]);
+            let back = SurfacePoint {
+                normal: -point.normal,
+                flat_normal: -point.flat_normal,
+                ..point
+            };
+            let direction = cosine_direction(back.flat_normal, [u[2], u[3]]);
+            match shrunken.arrival(level, &back, direction) {
+                Some(hit) if !hit.front => view.backs.push(hit.triangle),
+                _ => view.open_rays += 1,
+            }
+        }
+        view.backs.sort_unstable();
+        view.backs.dedup();
+        view
+    }
+}
+
+/// The cavity of each vertex's back, named by one of its vertices.
+fn cavities(surface: &Surface, views: &[BackView]) -> Vec<u32> {
+    let mut forest = Forest::new(views.len());
+    for (vertex, view) in views.iter().enumerate() {
+        for &triangle in &view.backs {
+            for corner in surface.vertices.of_triangle(triangle, true) {
+                forest.join(vertex as u32, corner);
+            }
+        }
+    }
+    (0..views.len() as u32)
+        .map(|vertex| forest.root(vertex))
+        .collect()
 }
 
 /// Per vertex, the points of its area (a bit each, see
@@ -73,26 +131,6 @@ pub(super) fn open_points(surface: &Surface, level: Level) -> Vec<u8> {
                 .fold(0, |bits, index| bits | 1 << index)
         })
         .collect()
-}
-
-fn back_sees(surface: &Surface, shrunken: &Shrunken, level: Level, vertex: usize) -> bool {
-    let sees = |u: &[f32; 4]| {
-        let point = shrunken.sample_point(surface, vertex, [u[0], u[1]]);
-        let back = SurfacePoint {
-            normal: -point.normal,
-            flat_normal: -point.flat_normal,
-            ..point
-        };
-        let direction = cosine_direction(back.flat_normal, [u[2], u[3]]);
-        shrunken
-            .arrival(level, &back, direction)
-            .is_none_or(|hit| hit.front)
-    };
-    pilot_uniforms(vertex, PILOT_RAYS)
-        .filter(sees)
-        .take(SEEING_RAYS)
-        .count()
-        == SEEING_RAYS
 }
 
 fn fronts_see_anything(surface: &Surface, level: Level) -> bool {
