@@ -104,7 +104,6 @@ fn a_command_that_lacks_something_says_what() {
         (vec!["render", path], "--output"),
         (vec!["render", "-o", "frame.png"], "<SCENE>"),
         (vec!["rendr", path], "render"),
-        (vec!["bake", path, "--no-cache"], "--cache-dir"),
         (vec!["diff", "a.png"], "<CANDIDATE>"),
         (vec![], "Usage"),
     ] {
