@@ -220,3 +220,31 @@ fn components_agree_that_the_dark_is_dark() {
         assert_eq!(lit, 0, "{component:?}: pixels of a dark side that are lit");
     }
 }
+
+/// Most difference between a room and its twin with all faces turned over:
+/// sampling noise of their sums.
+const TWIN_DIFFERENCE: f64 = 0.01;
+
+/// A box room that is open below, its fronts inward or outward.
+fn open_room(facing: Facing) -> Scene {
+    let mut mesh = SampleMesh::default();
+    let corners = [DVec3::splat(-1.0), DVec3::ONE];
+    mesh.box_sides(corners, facing, &WITHOUT_BOTTOM, 0);
+    mesh.scene(&[0.7], EDGE, 256)
+}
+
+#[test]
+fn a_room_inside_out_is_as_bright_as_its_twin() {
+    let lights = [point_light(DVec3::new(0.3, 0.5, 0.2), 1.0)];
+    let [inward, outward] = [Facing::Inward, Facing::Outward].map(|facing| {
+        let room = Baked::new(&open_room(facing));
+        let indirect = room.indirect(&lights, 0.7, Bounces::Count(4));
+        indirect.iter().map(|e| f64::from(e.x)).sum::<f64>()
+    });
+    assert!(inward > 0.0, "the room is lit");
+    super::at_most(
+        "difference of a room from its twin inside out",
+        (outward / inward - 1.0).abs(),
+        TWIN_DIFFERENCE,
+    );
+}
