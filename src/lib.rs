@@ -9,6 +9,7 @@
 //! |---|---|
 //! | `simd` | kernels with a scalar definition each; the only `unsafe` |
 //! | `maths` | elementary functions and sampling points, the same bits everywhere |
+//! | `texture` | image maps: decoded once, filtered, looked up |
 //! | `scene` | what the user wrote: OBJ/MTL, TOML, lights, materials, camera |
 //! | `frame` | linear images, tone curves, comparison |
 //! | `surface` | tessellation, lighting vertices, sides, rays |
@@ -37,6 +38,7 @@ mod relight;
 mod scene;
 mod simd;
 mod surface;
+mod texture;
 
 pub use bake::{BakeError, BakeSettings, BakeStats, Progress, RunSettings, Silent};
 pub use frame::{
@@ -50,9 +52,10 @@ pub use relight::{
 pub use scene::{
     Animation, Area, BakeKeys, Bounces, Camera, Directional, Environment, GoldenKeys, Light,
     LightKind, Material, Mesh, MeshTriangle, Override, PixelLimit, Point, Radiance, RenderKeys,
-    Scene, SceneError, Spot, TextureFilter, Tone,
+    Scene, SceneError, Spot, Tone,
 };
 pub use simd::Level as SimdLevel;
+pub use texture::{EnvironmentMap, Texture, TextureError, TextureFilter, TextureMap};
 
 /// A pool of so many threads (0: one a processor) in which jobs can be run;
 /// the number changes no bit of any result.

@@ -36,6 +36,8 @@ pub use material::Material;
 pub use mesh::{Mesh, MeshTriangle};
 pub(crate) use placement::Placement;
 
+use crate::texture::TextureFilter;
+
 /// A scene as the user described it.
 #[derive(Debug, Clone)]
 pub struct Scene {
@@ -70,16 +72,6 @@ pub(crate) enum Normals {
     Flat,
     /// Area-weighted over equal positions within one material.
     Smooth,
-}
-
-/// How a texture is read between texel centres.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub enum TextureFilter {
-    /// Linear between the four nearest texels.
-    #[default]
-    Bilinear,
-    /// The texel that holds the point.
-    Nearest,
 }
 
 /// Number of indirect bounces after the direct light.

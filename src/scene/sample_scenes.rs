@@ -1,10 +1,11 @@
 //! Small scenes whose light is known, for tests of the stages after this one.
 
+use crate::texture::TextureFilter;
 use glam::{DVec3, Vec3};
 
 use super::{
     BakeKeys, Camera, GoldenKeys, Light, LightKind, Material, Mesh, MeshTriangle, Point,
-    RenderKeys, Scene, TextureFilter,
+    RenderKeys, Scene,
 };
 
 /// Which way the fronts of a closed body look.

@@ -22,8 +22,8 @@ use self::tree::{Node, Table};
 use super::place::Place;
 use super::{
     Animation, BakeKeys, Camera, GoldenKeys, Light, LightKind, Normals, RenderKeys, SceneError,
-    TextureFilter,
 };
+use crate::texture::TextureFilter;
 
 pub use self::overrides::Override;
 

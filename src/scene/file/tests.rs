@@ -5,9 +5,8 @@ use std::path::Path;
 use glam::{DVec3, Vec3};
 
 use super::Document;
-use crate::scene::{
-    Bounces, LightKind, Normals, Override, PixelLimit, Radiance, SceneError, TextureFilter, Tone,
-};
+use crate::scene::{Bounces, LightKind, Normals, Override, PixelLimit, Radiance, SceneError, Tone};
+use crate::texture::TextureFilter;
 
 const HEAD: &str = "mesh = \"a.obj\"\n[camera]\nposition = [0, 1, 5]\ntarget = [0, 1, 0]\n\
                     vfov = 40\nsize = [64, 48]\n";
