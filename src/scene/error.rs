@@ -2,6 +2,8 @@
 
 use std::path::PathBuf;
 
+use crate::texture::TextureError;
+
 /// Why a scene could not be loaded. The text says where (file, line and
 /// column, or the `--set` argument), what, and what is allowed there.
 #[derive(Debug, thiserror::Error)]
@@ -43,12 +45,20 @@ pub enum SceneError {
         /// What is wrong and what to do.
         message: String,
     },
+    /// An image file is there but cannot be used.
+    #[error("{place}: {source}")]
+    Image {
+        /// What asks for the file: file and line.
+        place: String,
+        /// The file and what is wrong with it.
+        source: TextureError,
+    },
 }
 
 impl SceneError {
-    /// Whether a file could not be read (exit code 3), in contrast to a scene
+    /// Whether a file could not be read or is no image (exit code 3), in contrast to a scene
     /// that cannot be understood (exit code 2).
     pub fn is_io(&self) -> bool {
-        matches!(self, Self::Read { .. })
+        matches!(self, Self::Read { .. } | Self::Image { .. })
     }
 }

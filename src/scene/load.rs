@@ -6,19 +6,15 @@ use glam::Vec3;
 
 use super::file::Document;
 use super::file::fields::{key_error, suggestion};
+use super::images::Images;
+use super::maps::{self, MapStatement};
 use super::obj::{self, Loaded, ReadFile};
 use super::place::Place;
 use super::text::strict_text;
 use super::{Material, Mesh, Override, Placement, Scene, SceneError};
 
 /// What materials can ask for that frames lack so far.
-const NOT_YET: [(&str, Asks); 3] = [
-    ("emission (Ke)", |material| material.emission != Vec3::ZERO),
-    ("a texture (map_Kd, map_Ke)", |material| {
-        material.albedo_map.is_some() || material.emission_map.is_some()
-    }),
-    ("gloss (Ks)", |material| material.specular != Vec3::ZERO),
-];
+const NOT_YET: [(&str, Asks); 1] = [("gloss (Ks)", |material| material.specular != Vec3::ZERO)];
 
 type Asks = fn(&Material) -> bool;
 
@@ -41,12 +37,14 @@ impl Scene {
         read: ReadFile<'_>,
     ) -> Result<Self, SceneError> {
         let bytes = read_for("", path, read)?;
-        let document = Document::parse(strict_text(&bytes, path)?, path, overrides)?;
+        let images = Images::new(read);
+        let document = Document::parse(strict_text(&bytes, path)?, path, overrides, &images)?;
         let asked_by = format!("{}: ", document.mesh_place);
         let mesh_bytes = read_for(&asked_by, &document.mesh, read)?;
         let mut loaded = obj::load(&mesh_bytes, &document.mesh, document.normals, read)?;
         check_extent(&loaded.mesh, &document.mesh)?;
         override_materials(&mut loaded, &document)?;
+        maps::attach(&mut loaded, &images)?;
         let mut warnings = document.warnings;
         warnings.extend(not_rendered_yet(&loaded));
         warnings.append(&mut loaded.warnings);
@@ -101,7 +99,14 @@ fn override_materials(loaded: &mut Loaded, document: &Document) -> Result<(), Sc
     for keys in &document.materials {
         let index = material_index(loaded, &keys.name, &keys.name_place)?;
         let material = &mut loaded.materials[index];
-        material.albedo = keys.albedo.unwrap_or(material.albedo);
+        let maps = &mut loaded.material_maps[index];
+        if let Some(albedo) = keys.albedo {
+            material.albedo = albedo;
+            multiply(&mut maps.albedo);
+        }
+        if keys.emission.is_some() {
+            multiply(&mut maps.emission);
+        }
         material.roughness = keys.roughness.or(material.roughness);
         for (value, slot) in [
             (&keys.specular, &mut material.specular),
@@ -117,6 +122,13 @@ fn override_materials(loaded: &mut Loaded, document: &Document) -> Result<(), Sc
         material_index(loaded, name, place)?;
     }
     Ok(())
+}
+
+/// An explicit colour multiplies the map, whatever it is.
+fn multiply(map: &mut Option<MapStatement>) {
+    if let Some(map) = map {
+        map.stands_alone = false;
+    }
 }
 
 fn material_index(loaded: &Loaded, name: &str, place: &Place) -> Result<usize, SceneError> {
@@ -138,10 +150,7 @@ fn material_index(loaded: &Loaded, name: &str, place: &Place) -> Result<usize, S
 /// One sentence for each thing that materials of the mesh ask for and that
 /// frames lack so far.
 fn not_rendered_yet(loaded: &Loaded) -> Vec<String> {
-    let mut is_used = vec![false; loaded.materials.len()];
-    for triangle in &loaded.mesh.triangles {
-        is_used[triangle.material as usize] = true;
-    }
+    let is_used = maps::used(&loaded.mesh, loaded.materials.len());
     let mut warnings = Vec::new();
     for (what, asks) in NOT_YET {
         let used = (0..is_used.len()).filter(|&index| is_used[index]);

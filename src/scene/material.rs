@@ -1,8 +1,8 @@
 //! A material: what MTL and `[[material]]` say about a surface.
 
-use std::path::PathBuf;
-
 use glam::Vec3;
+
+use crate::texture::TextureMap;
 
 /// A diffuse material, with what later stages may need of MTL.
 #[derive(Debug, Clone, PartialEq)]
@@ -13,10 +13,10 @@ pub struct Material {
     pub albedo: Vec3,
     /// Emitted radiance `Ke`, W/(m2 sr), front side only.
     pub emission: Vec3,
-    /// `map_Kd`, resolved against the MTL's folder.
-    pub albedo_map: Option<PathBuf>,
-    /// `map_Ke`, resolved against the MTL's folder.
-    pub emission_map: Option<PathBuf>,
+    /// `map_Kd`, which multiplies the albedo.
+    pub albedo_map: Option<TextureMap>,
+    /// `map_Ke`, which multiplies the emission.
+    pub emission_map: Option<TextureMap>,
     /// Specular colour `Ks` (or `specular` of the scene file); zero where absent.
     pub specular: Vec3,
     /// Roughness 0 to 1, from `Ns`, `Pr` or the scene file.

@@ -10,13 +10,17 @@ mod camera;
 mod error;
 mod file;
 mod golden;
+mod images;
 mod light;
 mod load;
+mod maps;
 mod material;
 mod mesh;
 mod obj;
 mod place;
 mod placement;
+#[cfg(test)]
+mod sample_images;
 #[cfg(test)]
 pub(crate) mod sample_scenes;
 mod text;

@@ -138,33 +138,3 @@ fn the_other_commands_print_one_object_too() {
     ];
     assert_keys(&compared.json(), &keys);
 }
-
-#[test]
-fn lights_that_are_not_rendered_yet_are_a_warning_and_no_error() {
-    let folder = temporary_folder();
-    let obj = scene("cornell").with_file_name("cornell.obj");
-    let text = format!(
-        "mesh = {obj:?}\n\
-         [camera]\nposition = [0, 1, 6.8]\ntarget = [0, 1, 0]\nvfov = 19.5\nsize = [16, 12]\n\
-         [[light]]\nkind = \"area\"\ncorner = [0, 1, 0]\nedge_u = [0.1, 0, 0]\n\
-         edge_v = [0, 0, 0.1]\nradiance = [1, 1, 1]\n\
-         [[light]]\nkind = \"environment\"\nradiance = [1, 1, 1]\n"
-    );
-    let path = folder.path().join("made.toml");
-    std::fs::write(&path, text).expect("the scene can be written");
-    let mut command = relume(&["render", "--no-cache", "--json", "--bounces", "0", "-o"]);
-    let finished = run(command.arg(folder.path().join("frame.png")).arg(&path));
-    assert_eq!(finished.exit_code, Some(0), "{finished:#?}");
-    assert!(
-        finished.json().is_object(),
-        "warnings stay off standard output"
-    );
-    for kind in ["area", "environment"] {
-        let said = finished
-            .stderr
-            .lines()
-            .filter(|line| line.starts_with("warning: "))
-            .any(|line| line.contains(kind) && line.contains("not rendered yet"));
-        assert!(said, "no warning about {kind} lights: {finished:#?}");
-    }
-}

@@ -19,10 +19,9 @@ use self::fields::{Fields, key_error};
 use self::sections::MaterialKeys;
 use self::target::default_light_name;
 use self::tree::{Node, Table};
+use super::images::{Images, Sources};
 use super::place::Place;
-use super::{
-    Animation, BakeKeys, Camera, GoldenKeys, Light, LightKind, Normals, RenderKeys, SceneError,
-};
+use super::{Animation, BakeKeys, Camera, GoldenKeys, Light, Normals, RenderKeys, SceneError};
 use crate::texture::TextureFilter;
 
 pub use self::overrides::Override;
@@ -80,21 +79,23 @@ impl Document {
         text: &str,
         path: &Path,
         overrides: &[Override],
+        images: &Images<'_>,
     ) -> Result<Self, SceneError> {
         let mut table = tree::parse_document(text, path)?;
         for set in overrides {
             set.apply(&mut table)?;
         }
         let folder = path.parent().unwrap_or(Path::new(""));
+        let sources = &Sources { folder, images };
         let start = Place::of_line(path, 1);
-        let mut document = Self::read(table.clone(), &start, folder)?;
-        document.read_animations(&table, &start, folder)?;
+        let mut document = Self::read(table.clone(), &start, sources)?;
+        document.read_animations(&table, &start, sources)?;
         Ok(document)
     }
 
     /// Everything but `[[animate]]`, whose key frames are checked by reading
     /// the file as it is at each of them.
-    fn read(table: Table, start: &Place, folder: &Path) -> Result<Self, SceneError> {
+    fn read(table: Table, start: &Place, sources: &Sources<'_>) -> Result<Self, SceneError> {
         let mut fields = Fields::of_document(table, start.clone());
         fields.allow(&KEYS)?;
         let mesh = fields.require("mesh", "the path of an OBJ file")?;
@@ -104,11 +105,10 @@ impl Document {
             Some(item) => sections::camera(Fields::new("[camera]", item.into_node())?)?,
             None => return Err(fields.error("lacks the section [camera]")),
         };
-        let (lights, mut warnings) = lights(tables(&mut fields, "light")?, folder)?;
-        let (bake, not_yet) = sections::bake(section(&mut fields, "bake", "[bake]")?)?;
-        warnings.extend(not_yet);
+        let lights = lights(tables(&mut fields, "light")?, sources)?;
+        let (bake, warnings) = sections::bake(section(&mut fields, "bake", "[bake]")?)?;
         Ok(Self {
-            mesh: folder.join(mesh.name()?),
+            mesh: sources.folder.join(mesh.name()?),
             mesh_place: mesh.place().clone(),
             normals: normals.map_or(Ok(Normals::File), |item| item.choice(&NORMALS))?,
             texture_filter: texture_filter.map_or(Ok(TextureFilter::Bilinear), |item| {
@@ -121,7 +121,7 @@ impl Document {
             materials: sections::materials(tables(&mut fields, "material")?)?,
             animations: Vec::new(),
             animated_materials: Vec::new(),
-            golden: sections::golden(section(&mut fields, "golden", "[golden]")?, folder)?,
+            golden: sections::golden(section(&mut fields, "golden", "[golden]")?, sources.folder)?,
             warnings,
         })
     }
@@ -130,7 +130,7 @@ impl Document {
         &mut self,
         table: &Table,
         start: &Place,
-        folder: &Path,
+        sources: &Sources<'_>,
     ) -> Result<(), SceneError> {
         let mut fields = Fields::of_document(table.clone(), start.clone());
         let mut table = table.clone();
@@ -138,7 +138,7 @@ impl Document {
         for entry in tables(&mut fields, "animate")? {
             let place = entry.place().line_only();
             let (animation, material) = animate::read(entry, &table, &|changed| {
-                Self::read(changed, start, folder).map(|_| ())
+                Self::read(changed, start, sources).map(|_| ())
             })?;
             self.animated_materials.extend(material);
             if self.animations.is_empty() {
@@ -178,9 +178,8 @@ fn tables(fields: &mut Fields, key: &'static str) -> Result<Vec<Fields>, SceneEr
         .collect()
 }
 
-fn lights(entries: Vec<Fields>, folder: &Path) -> Result<(Vec<Light>, Vec<String>), SceneError> {
+fn lights(entries: Vec<Fields>, sources: &Sources<'_>) -> Result<Vec<Light>, SceneError> {
     let mut lights: Vec<Light> = Vec::new();
-    let mut not_yet: Vec<(&str, String, usize)> = Vec::new();
     for (index, mut fields) in entries.into_iter().enumerate() {
         let name_item = fields.take("name");
         let name = match &name_item {
@@ -193,36 +192,9 @@ fn lights(entries: Vec<Fields>, folder: &Path) -> Result<(Vec<Light>, Vec<String
             let message = format!("a second light is called {name:?}; give each a name of its own");
             return Err(key_error(place, message));
         }
-        let light = Light::read(name, fields, folder)?;
-        if let Some(kind) = not_rendered_yet(&light.kind) {
-            match not_yet.iter_mut().find(|(known, ..)| *known == kind) {
-                Some((_, _, more)) => *more += 1,
-                None => {
-                    let place = place.line_only();
-                    let warning = format!(
-                        "{place}: light {:?} ({kind}) is not rendered yet",
-                        light.name
-                    );
-                    not_yet.push((kind, warning, 0));
-                }
-            }
-        }
-        lights.push(light);
+        lights.push(Light::read(name, fields, sources)?);
     }
-    let warnings = not_yet.into_iter().map(|(_, warning, more)| match more {
-        0 => warning,
-        _ => format!("{warning} (nor {more} more)"),
-    });
-    Ok((lights, warnings.collect()))
-}
-
-/// The kind's name where frames lack its light so far.
-fn not_rendered_yet(kind: &LightKind) -> Option<&'static str> {
-    match kind {
-        LightKind::Area(_) => Some("area"),
-        LightKind::Environment(_) => Some("environment"),
-        LightKind::Point(_) | LightKind::Spot(_) | LightKind::Directional(_) => None,
-    }
+    Ok(lights)
 }
 
 #[cfg(test)]

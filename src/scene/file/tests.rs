@@ -1,11 +1,14 @@
 //! The scene file alone.
 
+use std::io;
 use std::path::Path;
 
 use glam::{DVec3, Vec3};
 
-use super::Document;
-use crate::scene::{Bounces, LightKind, Normals, Override, PixelLimit, Radiance, SceneError, Tone};
+use super::{Document, Images};
+use crate::scene::{
+    Bounces, LightKind, Normals, Override, PixelLimit, Radiance, SceneError, Tone, sample_images,
+};
 use crate::texture::TextureFilter;
 
 const HEAD: &str = "mesh = \"a.obj\"\n[camera]\nposition = [0, 1, 5]\ntarget = [0, 1, 0]\n\
@@ -13,7 +16,12 @@ const HEAD: &str = "mesh = \"a.obj\"\n[camera]\nposition = [0, 1, 5]\ntarget = [
 
 fn parse(text: &str, overrides: &[&str]) -> Result<Document, SceneError> {
     let overrides: Result<Vec<_>, _> = overrides.iter().map(|o| Override::parse(o)).collect();
-    Document::parse(text, Path::new("dir/s.toml"), &overrides?)
+    let sky = |path: &Path| match path.to_str() {
+        Some("dir/a/sky.HDR") => Ok(sample_images::HDR.to_vec()),
+        _ => Err(io::ErrorKind::NotFound.into()),
+    };
+    let images = Images::new(&sky);
+    Document::parse(text, Path::new("dir/s.toml"), &overrides?, &images)
 }
 
 /// The document of [`HEAD`] with more lines below.
@@ -212,11 +220,22 @@ fn area_and_environment_lights() {
     assert!(flat.to_string().contains("spans an area"), "{flat}");
     let sky = |keys: &str| light(&format!("kind = \"environment\"\n{keys}"));
     let LightKind::Environment(map) =
-        sky("map = \"a/sky.EXR\"\nscale = 2\nrotation = -90").unwrap()
+        sky("map = \"a/sky.HDR\"\nscale = 2\nrotation = -90").unwrap()
     else {
         panic!("an environment")
     };
-    assert_eq!(map.radiance, Radiance::Map("dir/a/sky.EXR".into()));
+    let Radiance::Map(image) = map.radiance else {
+        panic!("a map")
+    };
+    assert_eq!(image.path(), Path::new("dir/a/sky.HDR"));
+    let missing = sky("map = \"b.hdr\"").unwrap_err();
+    assert!(missing.is_io());
+    assert!(
+        missing
+            .to_string()
+            .starts_with("dir/s.toml:10:7: cannot read dir/b.hdr"),
+        "{missing}"
+    );
     assert_eq!((map.scale, map.rotation_deg), (2.0, -90.0));
     assert!(
         sky("map = \"sky.png\"")

@@ -1,12 +1,14 @@
-//! Environment: light from infinitely far away. Parsed and checked; not
-//! rendered yet.
+//! Environment: light from infinitely far away.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
+use std::sync::Arc;
 
 use glam::Vec3;
 
 use crate::scene::SceneError;
 use crate::scene::file::fields::{Fields, Item, LARGEST};
+use crate::scene::images::Sources;
+use crate::texture::EnvironmentMap;
 
 /// Keys besides `name` and `kind`.
 pub(super) const KEYS: &[&str] = &["radiance", "map", "scale", "rotation"];
@@ -30,16 +32,17 @@ pub struct Environment {
 pub enum Radiance {
     /// The same in every direction, W/(m2 sr).
     Constant(Vec3),
-    /// A latitude-longitude image, resolved against the scene file's folder.
-    Map(PathBuf),
+    /// A latitude-longitude image.
+    Map(Arc<EnvironmentMap>),
 }
 
 impl Environment {
-    /// `folder` is where relative paths start.
-    pub(super) fn read(fields: &mut Fields, folder: &Path) -> Result<Self, SceneError> {
+    /// Reads and decodes the map too, if there is one.
+    pub(super) fn read(fields: &mut Fields, sources: &Sources<'_>) -> Result<Self, SceneError> {
         let source = fields.one_of("radiance", "map")?;
         let radiance = if source.key() == "map" {
-            Radiance::Map(map_path(&source, folder)?)
+            let path = map_path(&source, sources)?;
+            Radiance::Map(sources.images.environment(&path, source.place())?)
         } else {
             Radiance::Constant(source.light()?)
         };
@@ -57,8 +60,8 @@ impl Environment {
     }
 }
 
-fn map_path(item: &Item, folder: &Path) -> Result<PathBuf, SceneError> {
-    let path = folder.join(item.name()?);
+fn map_path(item: &Item, sources: &Sources<'_>) -> Result<PathBuf, SceneError> {
+    let path = sources.folder.join(item.name()?);
     let ending = path.extension().unwrap_or_default().to_ascii_lowercase();
     if MAP_FORMATS.iter().any(|format| ending == *format) {
         Ok(path)

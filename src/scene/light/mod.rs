@@ -7,8 +7,6 @@ mod environment;
 mod point;
 mod spot;
 
-use std::path::Path;
-
 use glam::Vec3;
 
 pub use area::Area;
@@ -18,10 +16,11 @@ pub use point::Point;
 pub use spot::Spot;
 
 use super::file::fields::Fields;
+use super::images::Sources;
 use super::{Placement, SceneError};
 
-/// How a kind is read from its table; paths start at the folder.
-type Reader = fn(&mut Fields, &Path) -> Result<LightKind, SceneError>;
+/// How a kind is read from its table and the files that it names.
+type Reader = fn(&mut Fields, &Sources<'_>) -> Result<LightKind, SceneError>;
 
 /// The kinds of the scene file: name, keys besides `name` and `kind`, reader.
 const KINDS: [(&str, (&[&str], Reader)); 5] = [
@@ -51,8 +50,8 @@ const KINDS: [(&str, (&[&str], Reader)); 5] = [
     ),
     (
         "environment",
-        (environment::KEYS, |fields, folder| {
-            Environment::read(fields, folder).map(LightKind::Environment)
+        (environment::KEYS, |fields, sources| {
+            Environment::read(fields, sources).map(LightKind::Environment)
         }),
     ),
 ];
@@ -105,7 +104,7 @@ impl Light {
     pub(super) fn read(
         name: String,
         mut fields: Fields,
-        folder: &Path,
+        sources: &Sources<'_>,
     ) -> Result<Self, SceneError> {
         fields.rename(format!("light {name:?}"));
         let kind_item = fields.require("kind", "point, spot, directional, area or environment")?;
@@ -116,7 +115,7 @@ impl Light {
         fields.allow(&allowed)?;
         Ok(Self {
             name,
-            kind: read(&mut fields, folder)?,
+            kind: read(&mut fields, sources)?,
         })
     }
 

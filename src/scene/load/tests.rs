@@ -6,7 +6,7 @@ use std::path::Path;
 
 use glam::{DVec3, Vec3};
 
-use super::super::{LightKind, Override, Radiance, Scene, SceneError};
+use super::super::{LightKind, Override, Radiance, Scene, SceneError, sample_images};
 use crate::maths::hash::hash3;
 
 const HEAD: &str = "mesh = \"a.obj\"\n[camera]\nposition = [0, 1, 5]\ntarget = [0, 1, 0]\n\
@@ -28,10 +28,12 @@ fn load_files(files: &[(&str, &[u8])], overrides: &[&str]) -> Result<Scene, Scen
 }
 
 fn load(toml: &str, overrides: &[&str]) -> Result<Scene, SceneError> {
-    let files: [(&str, &[u8]); 3] = [
+    let files: [(&str, &[u8]); 5] = [
         ("dir/s.toml", toml.as_bytes()),
         ("dir/a.obj", OBJ.as_bytes()),
         ("dir/a.mtl", MTL.as_bytes()),
+        ("dir/my wood.png", sample_images::PNG),
+        ("dir/sky.hdr", sample_images::HDR),
     ];
     load_files(&files, overrides)
 }
@@ -46,18 +48,15 @@ fn a_scene_with_its_materials() {
     assert_eq!(scene.mesh.triangles.len(), 3);
     assert_eq!(scene.materials.len(), 2);
     assert_eq!(scene.materials[0].albedo, Vec3::new(0.5, 0.25, 1.0));
-    let map = scene.materials[0].albedo_map.as_deref();
-    assert_eq!(map, Some(Path::new("dir/my wood.png")));
+    let map = scene.materials[0].albedo_map.as_ref().unwrap();
+    assert_eq!(map.texture.path(), Path::new("dir/my wood.png"));
     assert_eq!(scene.camera.up, DVec3::Y);
     assert_eq!(
         scene.mesh.bounds(),
         (DVec3::ZERO, DVec3::new(1.0, 1.0, 0.0))
     );
     assert_eq!(scene.placement().extent, 1.0);
-    assert_eq!(
-        scene.warnings,
-        ["dir/a.mtl:1: a texture (map_Kd, map_Ke) of material \"floor\" is not rendered yet"]
-    );
+    assert_eq!(scene.warnings, [""; 0]);
 }
 
 #[test]
@@ -84,11 +83,10 @@ fn files_on_disk_are_found_beside_the_scene() {
     write("s.toml", &HEAD.replace("a.obj", "sub/a.obj"));
     write("sub/a.obj", OBJ);
     write("sub/a.mtl", MTL);
+    std::fs::write(folder.path().join("sub/my wood.png"), sample_images::PNG).unwrap();
     let scene = Scene::load(&folder.path().join("s.toml"), &[]).unwrap();
-    assert_eq!(
-        scene.materials[0].albedo_map,
-        Some(folder.path().join("sub/my wood.png"))
-    );
+    let map = scene.materials[0].albedo_map.as_ref().unwrap();
+    assert_eq!(map.texture.path(), folder.path().join("sub/my wood.png"));
     assert!(Scene::load(folder.path(), &[]).unwrap_err().is_io());
 }
 
@@ -103,9 +101,10 @@ fn materials_are_overridden_by_name() {
     assert_eq!(scene.materials[1].albedo, Vec3::Y);
     let scene = load(HEAD, &["material.floor.emission=[1, 2, 3]"]).unwrap();
     assert_eq!(scene.materials[0].emission, Vec3::new(1.0, 2.0, 3.0));
+    let scene = load(HEAD, &["material.floor.specular=[1, 1, 1]"]).unwrap();
     assert_eq!(
         scene.warnings[0],
-        "--set material.floor.emission: emission (Ke) of material \"floor\" is not rendered yet"
+        "--set material.floor.specular: gloss (Ks) of material \"floor\" is not rendered yet"
     );
 }
 
@@ -140,9 +139,8 @@ fn what_is_not_rendered_yet_is_said_once_a_kind() {
     );
     let scene = load(&toml, &[]).unwrap();
     assert_eq!(
-        scene.warnings[..4],
+        scene.warnings[..3],
         [
-            "dir/s.toml:10: light \"sky\" (environment) is not rendered yet (nor 1 more)",
             "dir/s.toml:8: [bake] error is not reached automatically yet",
             "dir/s.toml:9: [bake] fixed_albedo is not rendered yet",
             "dir/s.toml:22: [[animate]] of light.p.position is not rendered yet",
@@ -151,7 +149,10 @@ fn what_is_not_rendered_yet_is_said_once_a_kind() {
     let LightKind::Environment(sky) = &scene.lights[1].kind else {
         panic!("the second light is an environment")
     };
-    assert_eq!(sky.radiance, Radiance::Map("dir/sky.hdr".into()));
+    let Radiance::Map(image) = &sky.radiance else {
+        panic!("a map")
+    };
+    assert_eq!(image.path(), Path::new("dir/sky.hdr"));
     assert_eq!(scene.animations[0].frames, [0.0, 1.5]);
     assert_eq!(scene.animations[0].values[1], [1.0, 0.0, 0.0]);
 }

@@ -18,6 +18,7 @@ use std::path::Path;
 use self::clean::Cleaned;
 use self::defects::Defects;
 use self::mtl::Libraries;
+use super::maps::MaterialMaps;
 use super::place::Place;
 use super::text::lenient_text;
 use super::{Material, Mesh, Normals, SceneError};
@@ -32,6 +33,8 @@ pub(crate) struct Loaded {
     pub(crate) materials: Vec<Material>,
     /// Where each material is defined.
     pub(crate) material_places: Vec<Place>,
+    /// The texture statements of each material.
+    pub(crate) material_maps: Vec<MaterialMaps>,
     /// What was dropped or clamped: one sentence a kind.
     pub(crate) warnings: Vec<String>,
 }
@@ -56,12 +59,13 @@ pub(crate) fn load(
         place: path.display().to_string(),
         message: format!("cannot be understood: {error}"),
     })?;
-    let mut materials = libraries.materials(&parsed);
+    let (mut materials, mut material_maps) = libraries.materials(&parsed);
     let mut mesh = build::mesh(&models, &cleaned, path, materials.len(), &mut defects)?;
     let mut material_places = libraries.places();
     let unnamed = materials.len() as u32;
     if mesh.triangles.iter().any(|t| t.material == unnamed) {
         materials.push(Material::unnamed());
+        material_maps.push(MaterialMaps::default());
         material_places.push(Place::of_line(path, 1));
     }
     if normals == Normals::Smooth {
@@ -71,6 +75,7 @@ pub(crate) fn load(
         mesh,
         materials,
         material_places,
+        material_maps,
         warnings: defects.into_warnings(),
     })
 }

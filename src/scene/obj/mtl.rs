@@ -5,12 +5,13 @@
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 
 use super::ReadFile;
 use super::defects::{Defect, Defects};
 use super::lines::{Statement, normalized, number, statements};
 use crate::scene::file::fields::LARGEST;
+use crate::scene::maps::{MapStatement, MaterialMaps};
 use crate::scene::place::Place;
 use crate::scene::text::lenient_text;
 use crate::scene::{Material, SceneError};
@@ -105,10 +106,13 @@ impl Libraries {
     }
 
     /// The materials that tobj made of [`Self::text`].
-    pub(super) fn materials(&self, parsed: &[tobj::Material]) -> Vec<Material> {
+    pub(super) fn materials(
+        &self,
+        parsed: &[tobj::Material],
+    ) -> (Vec<Material>, Vec<MaterialMaps>) {
         let both = parsed.iter().zip(&self.notes);
-        both.map(|(material, note)| converted(material, &note.folder))
-            .collect()
+        both.map(|(material, note)| converted(material, note))
+            .unzip()
     }
 
     fn add(&mut self, text: &str, path: &Path, defects: &mut Defects) {
@@ -265,31 +269,45 @@ fn split_word(text: &str) -> (&str, &str) {
     (word, rest.trim_start())
 }
 
-/// A material of tobj in our terms; texture paths start at `folder`.
-fn converted(material: &tobj::Material, folder: &Path) -> Material {
+/// A material of tobj in our terms; texture paths start at the note's folder.
+fn converted(material: &tobj::Material, note: &Note) -> (Material, MaterialMaps) {
     let rgb = |colour: [f64; 3]| DVec3::from_array(colour).as_vec3();
     let unknown = |key: &str| material.unknown_param.get(key);
-    let resolve = |file: &String| folder.join(file);
     let parameter = |key: &str| unknown(key).and_then(|text| text.parse::<f64>().ok());
-    let albedo_map = material.diffuse_texture.as_ref().map(resolve);
-    let albedo = material.diffuse.map(rgb);
+    let albedo_map = material.diffuse_texture.as_ref();
+    let emission_map = unknown("map_Ke");
+    // Exporters write black beside a map, meaning the map alone.
+    let or_black = |colour: Option<Vec3>| colour.filter(|&colour| colour != Vec3::ZERO);
+    let mut albedo = material.diffuse.map(rgb);
+    if albedo_map.is_some() {
+        albedo = or_black(albedo);
+    }
+    let emission = or_black(material.emissive.map(rgb));
+    let statement = |file: &String, colour: Option<Vec3>| MapStatement {
+        path: note.folder.join(file),
+        place: note.place.clone(),
+        scale: Vec2::ONE,
+        offset: Vec2::ZERO,
+        clamp: false,
+        stands_alone: colour.is_none(),
+    };
+    let maps = MaterialMaps {
+        albedo: albedo_map.map(|file| statement(file, albedo)),
+        emission: emission_map.map(|file| statement(file, emission)),
+    };
     let specular = material.specular.map_or(Vec3::ZERO, rgb);
-    Material {
+    let material = Material {
         name: material.name.clone(),
-        albedo: match albedo {
-            // Exporters write black beside a map, meaning the map alone.
-            None | Some(Vec3::ZERO) if albedo_map.is_some() => Vec3::ONE,
-            None => Material::unnamed().albedo,
-            Some(albedo) => albedo,
-        },
-        emission: material.emissive.map_or(Vec3::ZERO, rgb),
-        albedo_map,
-        emission_map: unknown("map_Ke").map(resolve),
+        albedo: albedo.unwrap_or(Material::unnamed().albedo),
+        emission: emission.unwrap_or(Vec3::ZERO),
+        albedo_map: None,
+        emission_map: None,
         specular,
         roughness: parameter("Pr")
             .or_else(|| material.shininess.map(roughness_from_exponent))
             .map(|roughness| roughness as f32),
-    }
+    };
+    (material, maps)
 }
 
 /// Beckmann roughness of a Phong exponent (Walter et al. 2007, "Microfacet

@@ -237,8 +237,8 @@ fn material_values_have_defaults_and_limits() {
         albedo,
         [
             Vec3::splat(0.8),
-            Vec3::ONE,
-            Vec3::ONE,
+            Vec3::splat(0.8),
+            Vec3::splat(0.8),
             Vec3::splat(0.5),
             Vec3::new(0.0, 1.0, 0.5),
             Vec3::splat(0.8),
@@ -248,14 +248,13 @@ fn material_values_have_defaults_and_limits() {
     let names: Vec<_> = loaded.materials.iter().map(|m| m.name.as_str()).collect();
     assert_eq!(names[2..4], ["only map", "grey # not a comment"]);
     assert_eq!(names[6], "", "triangles without usemtl");
-    assert_eq!(
-        loaded.materials[1].albedo_map.as_deref(),
-        Some(Path::new("a.png"))
-    );
-    assert_eq!(
-        loaded.materials[2].albedo_map.as_deref(),
-        Some(Path::new("tex/b.png"))
-    );
+    for (index, name) in [(1, "a.png"), (2, "tex/b.png")] {
+        let map = loaded.material_maps[index].albedo.as_ref().unwrap();
+        assert_eq!(
+            (map.path.as_path(), map.stands_alone),
+            (Path::new(name), true)
+        );
+    }
     assert_eq!(loaded.materials[3].specular, Vec3::new(0.1, 0.2, 1.0));
     assert_eq!(loaded.materials[3].emission, Vec3::new(3.0, 2.0, 1.0));
     assert_eq!(loaded.materials[3].roughness, Some(0.5));
