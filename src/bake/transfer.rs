@@ -6,7 +6,7 @@
 //! corners. Rows sum to at most 1 by construction, corners and contacts need no
 //! special case, and nothing divides by a squared distance.
 
-use super::window::{Escape, aimed_shares, is_small};
+use super::window::{Escape, aimed_shares, needs_aim};
 use crate::maths::cube_cells::{CELL_COUNT, cell_of};
 use crate::maths::sampling::{cosine_direction, mirrored_above};
 use crate::maths::sobol::ScrambledSobol;
@@ -195,7 +195,7 @@ fn add_sky(
     scratch: &mut Scratch,
 ) {
     let share = f64::from(counts.escaped) / f64::from(counts.in_the_open(sampling.rays));
-    if is_small(share) {
+    if needs_aim(sampling, &scratch.escapes, share) {
         for (cell, share) in aimed_shares(sampling, vertex, &scratch.escapes) {
             scratch.cells.add(cell, lane, share * sampling.rays as f32);
         }

@@ -23,6 +23,8 @@ const SMALL_SHARE: std::ops::RangeInclusive<f64> = 0.001..=0.3;
 const GOOD_ENOUGH: f64 = 0.03;
 /// Most rays, times those of a row, pilot rays and first batch included.
 const MOST_BATCHES: u32 = 16;
+/// Blocks of a row's rays whose counts are compared.
+const BLOCKS: u32 = 16;
 /// Share of the second batch that is spread evenly, so that a cell in which the
 /// first batch found nothing by chance is looked into again.
 const EVEN_SHARE: f64 = 0.3;
@@ -34,9 +36,23 @@ const SEEDS: [u32; 2] = [0x5c11, 0x5c12];
 /// A ray of a row that escaped: its number and its cell.
 pub(super) type Escape = (u32, u16);
 
-/// Whether a row with this share of escaping rays should be refined.
-pub(super) fn is_small(share: f64) -> bool {
-    SMALL_SHARE.contains(&share)
+/// Whether a row's own rays tell too little of the sky, `share` of which escape.
+pub(super) fn needs_aim(sampling: &Sampling, escapes: &[Escape], share: f64) -> bool {
+    SMALL_SHARE.contains(&share) && relative_error(sampling.rays, escapes) > GOOD_ENOUGH
+}
+
+/// Standard error of the number of escapes, relative, by the spread between
+/// blocks of a row's rays. A block of a low-discrepancy set is spread out itself,
+/// so this is less than chance would make it and still not too little.
+fn relative_error(rays: u32, escapes: &[Escape]) -> f64 {
+    let mut counts = [0.0_f64; BLOCKS as usize];
+    for &(index, _) in escapes {
+        counts[(u64::from(index) * u64::from(BLOCKS) / u64::from(rays)) as usize] += 1.0;
+    }
+    let mean = counts.iter().sum::<f64>() / f64::from(BLOCKS);
+    let squares: f64 = counts.iter().map(|c| (c - mean) * (c - mean)).sum();
+    let variance_of_mean = squares / f64::from(BLOCKS * (BLOCKS - 1));
+    variance_of_mean.sqrt() / mean
 }
 
 /// Shares of a vertex's rays that escape into each cell (cell, share), better

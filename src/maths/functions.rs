@@ -4,13 +4,11 @@
 //! the standard library).
 
 /// Sine of `x` radians.
-#[cfg(test)]
 pub(crate) fn sin(x: f64) -> f64 {
     libm::sin(x)
 }
 
 /// Cosine of `x` radians.
-#[cfg(test)]
 pub(crate) fn cos(x: f64) -> f64 {
     libm::cos(x)
 }

@@ -6,7 +6,7 @@ use std::collections::{HashMap, HashSet};
 use glam::{DVec2, Vec2, Vec3};
 
 use super::tessellate::tessellate;
-use crate::scene::{MeshTriangle, Placement, Scene};
+use crate::scene::{MeshTriangle, Placement, Scene, same_corners};
 
 /// No triangle, or no vertex.
 pub(crate) const NONE: u32 = u32::MAX;
@@ -91,7 +91,7 @@ impl LightingMesh {
         let is_textured = has_textures(scene);
         for triangle in &scene.mesh.triangles {
             let corners = triangle.corners.map(|c| placed[c as usize]);
-            if !seen.insert(sorted_bits(corners)) {
+            if !seen.insert(same_corners(corners)) {
                 mesh.duplicates += 1;
                 continue;
             }
@@ -167,13 +167,6 @@ impl SurfaceTriangle {
     }
 }
 
-/// The corners whatever their order.
-fn sorted_bits(corners: [Vec3; 3]) -> [[u32; 3]; 3] {
-    let mut bits = corners.map(|c| (c + Vec3::ZERO).to_array().map(f32::to_bits));
-    bits.sort_unstable();
-    bits
-}
-
 /// Normal of a flat triangle, of twice its area's length. Summed in double
 /// precision: thin pieces of a big wall keep the wall's direction.
 fn area_normal(p: [Vec3; 3]) -> Vec3 {
@@ -196,26 +189,10 @@ fn has_textures(scene: &Scene) -> bool {
     })
 }
 
-/// Texture coordinates of a triangle of the file, moved by whole repeats so
-/// that little is lost in single precision.
+/// Texture coordinates of a triangle of the file.
 fn source_texture_coordinates(scene: &Scene, triangle: &MeshTriangle) -> Option<[DVec2; 3]> {
-    let uv = triangle
-        .texture_coordinates?
-        .map(|i| scene.mesh.texture_coordinates[i as usize]);
-    let is_clamped = {
-        let material = &scene.materials[triangle.material as usize];
-        let maps = [&material.albedo_map, &material.emission_map];
-        maps.into_iter().flatten().any(|map| map.clamp)
-    };
-    // Scaling by a map (`-s`) makes fractions of whole repeats; coordinates
-    // that small lose nothing anyway.
-    let is_large = uv.iter().any(|c| c.abs().max_element() > 64.0);
-    let base = if is_large && !is_clamped {
-        uv[0].floor()
-    } else {
-        DVec2::ZERO
-    };
-    Some(uv.map(|c| c - base))
+    let indices = triangle.texture_coordinates?;
+    Some(indices.map(|i| scene.mesh.texture_coordinates[i as usize]))
 }
 
 fn weighted(uv: [DVec2; 3], barycentrics: Vec3) -> Vec2 {
