@@ -5,6 +5,7 @@ mod area;
 mod directional;
 mod environment;
 mod point;
+mod polygon;
 mod spot;
 
 use std::path::Path;
@@ -15,6 +16,7 @@ pub use area::Area;
 pub use directional::Directional;
 pub use environment::{Environment, Radiance};
 pub use point::Point;
+pub(crate) use polygon::Polygon;
 pub use spot::Spot;
 
 use super::file::fields::Fields;
