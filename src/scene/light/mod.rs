@@ -3,6 +3,7 @@
 
 mod area;
 mod directional;
+mod emitters;
 mod environment;
 mod point;
 mod polygon;
@@ -13,7 +14,9 @@ use std::path::Path;
 use glam::Vec3;
 
 pub use area::Area;
+pub(crate) use area::PlacedRectangle;
 pub use directional::Directional;
+pub(crate) use emitters::{Emitters, LightCut};
 pub use environment::{Environment, Radiance};
 pub use point::Point;
 pub(crate) use polygon::Polygon;
