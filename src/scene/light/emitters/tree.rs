@@ -1,12 +1,14 @@
 //! A binary tree over polygons. Each node knows what its polygons send into
 //! the distance; one polygon a leaf.
 
+mod gathered;
 mod node;
 
 use super::cut::{LightCut, Source};
 use super::{Polygon, weight};
 use crate::scene::max_component;
-use node::{Gathered, Node, Verdict};
+use gathered::Gathered;
+use node::{Node, Verdict};
 
 /// A node is taken for its polygons where its estimated error is at most this
 /// share of its own light ...
@@ -167,7 +169,7 @@ impl Builder<'_> {
         let (low, high) = order.split_at_mut(middle);
         let low = self.build(first, low);
         let high = self.build(first + 1, high);
-        let gathered = low.joined(high);
+        let gathered = low.joined(&high);
         let axis = gathered.normal_axis();
         let cosine = order
             .iter()
