@@ -11,10 +11,16 @@ use gathered::Gathered;
 use node::{Node, Verdict};
 
 /// A node is taken for its polygons where its estimated error is at most this
-/// share of its own light ...
-const RELATIVE_ERROR: f32 = 0.02;
-/// ... or this share of all light, as estimated from [`COARSE_NODES`].
-const ABSOLUTE_ERROR: f32 = 1e-4;
+/// share of its own light. With 0.006 an emissive sphere of 10,000 triangles
+/// is wrong by up to 0.6 %, with 0.003 by 0.35 %.
+const RELATIVE_ERROR: f32 = 0.003;
+/// ... or this share of all light, as estimated from [`COARSE_NODES`]: some
+/// 40 such errors of either sign add up to less than 0.2 %. With 1e-5 twice as many
+/// nodes are visited for the same total error.
+const ABSOLUTE_ERROR: f32 = 2e-4;
+/// ... or this share of the light if everything faced everything: where a lamp
+/// is all but below the horizon, not all of its polygons are looked at.
+const FLOOR: f32 = 2e-6;
 /// Nodes near the root from which a point's light is first estimated.
 const COARSE_NODES: usize = 16;
 /// Spread of the normals against the spread in space (standard deviations,
@@ -53,12 +59,13 @@ impl Tree {
     /// Adds to a cut what reaches its point.
     pub(super) fn walk(&self, polygons: &[Polygon], cut: &mut LightCut) {
         let (position, normal) = (cut.position, cut.normal);
-        let estimate: f32 = self
-            .coarse
-            .iter()
-            .map(|&node| self.nodes[node as usize].estimate(position, normal))
-            .sum();
-        let allowed = estimate * ABSOLUTE_ERROR;
+        let (mut estimate, mut potential) = (0.0, 0.0);
+        for &node in &self.coarse {
+            let (lit, at_most) = self.nodes[node as usize].estimate(position, normal);
+            estimate += lit;
+            potential += at_most;
+        }
+        let allowed = estimate * ABSOLUTE_ERROR + potential * FLOOR;
         let mut stack = [0_u32; STACK];
         let mut depth = 1;
         while depth > 0 {

@@ -5,8 +5,9 @@
 //! pi L F = flux a b / |v|^4 with a = n . v and b = -N . v. A node expands
 //! its polygons' sum about its centre: a b / |v|^4 with the mean normal, plus
 //! the second derivatives with the covariance of positions and the first with
-//! that of positions and normals (curved surfaces). Where polygons face
-//! away or lie below the horizon, a and b are uniform about their means with
+//! that of positions and normals (curved surfaces). Without these terms a cut
+//! of as many nodes has ten times the error. Where polygons face away or lie
+//! below the horizon, a and b are taken as uniform about their means with
 //! their variances, and only positive ones count.
 
 use std::sync::LazyLock;
@@ -26,7 +27,13 @@ const SIZE_ERROR: f32 = 1.0;
 /// Error of the mean of positive values, where only some are, over the half
 /// width of their distribution: 0.02 for a disk, 0.07 for two points, against
 /// the uniform distribution that is assumed.
-const CLIPPED_ERROR: f32 = 0.05;
+const CLIPPED_ERROR: f32 = 0.1;
+
+/// Weight of the probes' error for mixed normals. Such errors have one sign (of
+/// few polygons less light is expected than comes) and add up over thousands
+/// of nodes: a soup of 10,000 triangles is wrong by up to 1.1 % with a quarter
+/// of this, by 0.25 % with this.
+const MIXED_ERROR: f32 = 16.0;
 
 /// Up to this spread of normals [`CLIPPED_ERROR`] holds for them; beyond, the
 /// probes tell, which are too far apart for less.
@@ -143,16 +150,20 @@ impl Node {
         mean_of_positive(self.mean_normal.dot(w), half_width(variance))
     }
 
-    /// Rough irradiance of the brightest channel, rather too low than too high.
-    pub(super) fn estimate(&self, position: Vec3, normal: Vec3) -> f32 {
+    /// Rough irradiance of the brightest channel, rather too low than too high,
+    /// and what it were if all faced each other.
+    pub(super) fn estimate(&self, position: Vec3, normal: Vec3) -> (f32, f32) {
         let to_center = self.center - position;
-        let above = normal.dot(to_center);
-        if above <= 0.0 {
-            return 0.0;
-        }
         let squared = to_center.length_squared() + self.radius * self.radius;
         let inverse = 1.0 / squared.sqrt();
-        self.weight * self.face(to_center * -inverse) * above * inverse / squared
+        let potential = self.weight * inverse * inverse;
+        let above = normal.dot(to_center) * inverse;
+        if above > 0.0 {
+            let face = self.face(to_center * -inverse);
+            (potential * face * above, potential)
+        } else {
+            (0.0, potential)
+        }
     }
 
     /// Whether the node may stand for its polygons: its error is at most
@@ -234,7 +245,7 @@ impl Node {
         let facing = mean_of_positive(b, facing_half);
         let above = mean_of_positive(a, above_half);
         let facing_error = if self.spread > NARROW {
-            self.face_error
+            MIXED_ERROR * self.face_error
         } else if b < facing_half {
             CLIPPED_ERROR * facing_half
         } else {
@@ -246,7 +257,9 @@ impl Node {
             0.0
         };
         let error = facing_error * above + above_error * facing;
-        (facing * above, error)
+        let share = share_of_positive(a, above_half) * share_of_positive(b, facing_half);
+        let bend = self.expanded(v, n, inverse) - a * b;
+        (facing * above + share * bend, error)
     }
 }
 
@@ -263,6 +276,17 @@ fn mean_of_positive(mean: f32, half: f32) -> f32 {
         0.0
     } else {
         (mean + half) * (mean + half) / (4.0 * half)
+    }
+}
+
+/// Share of x uniform within `half` of `mean` that is positive.
+fn share_of_positive(mean: f32, half: f32) -> f32 {
+    if mean >= half {
+        1.0
+    } else if mean <= -half {
+        0.0
+    } else {
+        (mean + half) / (2.0 * half)
     }
 }
 
