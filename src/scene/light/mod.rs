@@ -18,6 +18,7 @@ use glam::Vec3;
 pub use area::Area;
 pub(crate) use area::PlacedRectangle;
 pub use directional::Directional;
+pub(crate) use emitters::{Emitters, LightCut};
 pub(crate) use environment::PlacedEnvironment;
 pub use environment::{Environment, Radiance};
 pub(crate) use placed::PlacedLights;
@@ -97,7 +98,7 @@ pub(crate) enum PlacedLight {
     Spot(spot::PlacedSpot),
     Directional(directional::PlacedDirectional),
     /// Surfaces that emit: one rectangle, or all emitting triangles of the mesh.
-    Surfaces(Arc<emitters::Emitters>),
+    Surfaces(Arc<Emitters>),
     /// The sun of an environment map.
     Sun(sun::PlacedSun),
 }
@@ -112,8 +113,8 @@ pub(crate) enum Incident<'a> {
     },
     /// From surfaces that emit.
     Surfaces {
-        emitters: &'a emitters::Emitters,
-        cut: emitters::LightCut,
+        emitters: &'a Emitters,
+        cut: LightCut,
     },
     /// From a disc of the sky.
     Disc {
