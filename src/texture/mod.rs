@@ -6,7 +6,9 @@
 
 mod environment;
 mod error;
+mod exr_header;
 mod image_file;
+mod jpeg;
 mod map;
 
 pub use environment::EnvironmentMap;
