@@ -58,3 +58,9 @@ pub(crate) fn cos_f32(x: f32) -> f32 {
 pub(crate) fn acos_f32(x: f32) -> f32 {
     libm::acosf(x.clamp(-1.0, 1.0))
 }
+
+/// Angle of the point (`x`, `y`) from the x axis in single precision, radians,
+/// -pi to pi.
+pub(crate) fn atan2_f32(y: f32, x: f32) -> f32 {
+    libm::atan2f(y, x)
+}
