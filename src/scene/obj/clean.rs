@@ -11,9 +11,9 @@ use std::path::Path;
 
 use glam::DVec3;
 
-use super::defects::{Defect, Defects};
 use super::lines::{Statement, number, statements};
 use super::mtl::Libraries;
+use crate::scene::defects::{Defect, Defects};
 use crate::scene::file::fields::{LARGEST, unit};
 use crate::scene::place::Place;
 use crate::scene::{Normals, SceneError};
@@ -182,13 +182,13 @@ impl Cleaner<'_> {
     }
 
     fn use_material(&mut self, statement: &Statement<'_>) {
-        let name = if self.libraries.knows(statement.rest) {
-            statement.rest
-        } else {
+        let name = self.libraries.named(statement.rest).unwrap_or_else(|why| {
+            let place = Place::of_line(self.path, statement.line);
+            let text = format!("{why}; {}", Defect::UnknownMaterial.text());
             self.defects
-                .add(Defect::UnknownMaterial, self.path, statement.line);
+                .add_text(Defect::UnknownMaterial, &place, &text);
             NO_MATERIAL
-        };
+        });
         writeln!(self.text, "usemtl {name}").expect("a string takes any text");
     }
 
