@@ -45,7 +45,7 @@ impl Defect {
                  it is drawn without texture"
             }
             Self::FreeForm => "free-form curves and surfaces are left out; export polygons",
-            Self::Library => "its materials are drawn in grey of albedo 0.8",
+            Self::Library => "materials that only it defines are drawn in grey of albedo 0.8",
             Self::UnknownMaterial => "grey of albedo 0.8 is used",
             Self::RepeatedMaterial => "a material is defined again; its first definition is used",
             Self::NamelessMaterial => "newmtl without a name; its statements are left out",

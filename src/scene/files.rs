@@ -1,6 +1,8 @@
 //! Where files come from, and which file a name in an OBJ or MTL file means.
 
-use std::ffi::OsString;
+use std::cell::RefCell;
+use std::collections::{BTreeMap, BTreeSet};
+use std::ffi::{OsStr, OsString};
 use std::io;
 use std::path::{Component, Path, PathBuf};
 
@@ -40,50 +42,133 @@ impl Files for Disk {
     }
 }
 
-/// Reads the file that `name` means, written in a file of `folder`, by whatever
-/// program on whatever system: back-slashes separate too, quotes may stand
-/// around it and a comment after it. Where no such file can be read,
-/// 1. an absolute path, being that of another machine, stands for its last
-///    part, beside the file that names it;
-/// 2. upper and lower case are taken as equal, if just one name fits.
-///
-/// Gives the path as written, and the error of reading it, where nothing helps.
-pub(crate) fn read_named(
-    files: &dyn Files,
-    folder: &Path,
-    name: &str,
-) -> (PathBuf, io::Result<Vec<u8>>) {
-    let found = read_spelled(files, folder, name);
-    match name.split_once(" #") {
-        Some((before, _)) if found.1.is_err() => {
-            let without_comment = read_spelled(files, folder, before.trim_end());
-            if without_comment.1.is_ok() {
-                without_comment
-            } else {
-                found
+/// A path and what reading it gives.
+pub(crate) type ReadFile = (PathBuf, io::Result<Vec<u8>>);
+
+/// Finds the files that names in OBJ and MTL files mean.
+pub(crate) struct Finder<'a> {
+    files: &'a dyn Files,
+    /// The folders looked into so far.
+    listings: RefCell<BTreeMap<PathBuf, Listing>>,
+}
+
+/// What a folder holds.
+#[derive(Debug, Default)]
+struct Listing {
+    names: BTreeSet<OsString>,
+    /// By name in lower case; `None` where several are equal.
+    by_lower_case: BTreeMap<String, Option<OsString>>,
+}
+
+impl<'a> Finder<'a> {
+    /// Finds files of a source.
+    pub(crate) fn new(files: &'a dyn Files) -> Self {
+        Self {
+            files,
+            listings: RefCell::default(),
+        }
+    }
+
+    /// Reads the file at exactly this path.
+    pub(crate) fn read(&self, path: &Path) -> io::Result<Vec<u8>> {
+        self.files.read(path)
+    }
+
+    /// Reads the file that `name` means, written in a file of `folder` by
+    /// whatever program on whatever system: back-slashes separate too, quotes
+    /// may stand around it and a comment after it. Where no such file can be
+    /// read,
+    /// 1. an absolute path, being that of another machine, stands for its last
+    ///    part, beside the file that names it;
+    /// 2. upper and lower case are taken as equal, if just one name fits.
+    ///
+    /// Gives the path as written, and the error of reading it, where nothing
+    /// helps.
+    pub(crate) fn read_named(&self, folder: &Path, name: &str) -> ReadFile {
+        let found = self.read_spelled(folder, name);
+        match name.split_once(" #") {
+            Some((before, _)) if found.1.is_err() => {
+                let without_comment = self.read_spelled(folder, before.trim_end());
+                if without_comment.1.is_ok() {
+                    without_comment
+                } else {
+                    found
+                }
+            }
+            _ => found,
+        }
+    }
+
+    fn read_spelled(&self, folder: &Path, name: &str) -> ReadFile {
+        let name = unquoted(name).replace('\\', "/");
+        let written = folder.join(&name);
+        let bytes = self.files.read(&written);
+        if bytes.is_ok() {
+            return (written, bytes);
+        }
+        let relative = if is_absolute(&name) {
+            name.rsplit('/').next().unwrap_or_default()
+        } else {
+            &name
+        };
+        let similar = self.ignoring_case(folder, relative);
+        let similar = similar.filter(|path| *path != written);
+        match similar.map(|path| (self.files.read(&path), path)) {
+            Some((Ok(bytes), path)) => (path, Ok(bytes)),
+            _ => (written, bytes),
+        }
+    }
+
+    /// A path below `folder` that is equal to `relative` but for upper and
+    /// lower case; `None` where none or several are.
+    fn ignoring_case(&self, folder: &Path, relative: &str) -> Option<PathBuf> {
+        let mut path = folder.to_owned();
+        for component in Path::new(relative).components() {
+            match component {
+                Component::CurDir => {}
+                Component::ParentDir => path.push(component),
+                Component::Normal(name) => {
+                    let name = self.name_in(&path, name)?;
+                    path.push(name);
+                }
+                Component::Prefix(_) | Component::RootDir => return None,
             }
         }
-        _ => found,
+        Some(path)
+    }
+
+    /// The name in a folder that is equal to `name`, or equal but for case.
+    fn name_in(&self, folder: &Path, name: &OsStr) -> Option<OsString> {
+        let mut listings = self.listings.borrow_mut();
+        if !listings.contains_key(folder) {
+            let listing = Listing::of(self.files.names(folder));
+            listings.insert(folder.to_owned(), listing);
+        }
+        let listing = &listings[folder];
+        if listing.names.contains(name) {
+            return Some(name.to_owned());
+        }
+        listing.by_lower_case.get(&lower_case(name))?.clone()
     }
 }
 
-fn read_spelled(files: &dyn Files, folder: &Path, name: &str) -> (PathBuf, io::Result<Vec<u8>>) {
-    let name = unquoted(name).replace('\\', "/");
-    let written = folder.join(&name);
-    let bytes = files.read(&written);
-    if bytes.is_ok() {
-        return (written, bytes);
+impl Listing {
+    fn of(names: Vec<OsString>) -> Self {
+        let mut listing = Self::default();
+        for name in names {
+            listing
+                .by_lower_case
+                .entry(lower_case(&name))
+                .and_modify(|only| *only = None)
+                .or_insert_with(|| Some(name.clone()));
+            listing.names.insert(name);
+        }
+        listing
     }
-    let relative = if is_absolute(&name) {
-        name.rsplit('/').next().unwrap_or_default()
-    } else {
-        &name
-    };
-    let similar = ignoring_case(files, folder, relative).filter(|path| *path != written);
-    match similar.map(|path| (files.read(&path), path)) {
-        Some((Ok(bytes), path)) => (path, Ok(bytes)),
-        _ => (written, bytes),
-    }
+}
+
+fn lower_case(name: &OsStr) -> String {
+    name.to_string_lossy().to_lowercase()
 }
 
 /// Without quotes around it.
@@ -98,39 +183,10 @@ fn is_absolute(path: &str) -> bool {
     path.starts_with('/') || path.split_once(':').is_some_and(has_drive)
 }
 
-/// A path below `folder` that is equal to `relative` but for upper and lower
-/// case; `None` where none or several are.
-fn ignoring_case(files: &dyn Files, folder: &Path, relative: &str) -> Option<PathBuf> {
-    let mut path = folder.to_owned();
-    for component in Path::new(relative).components() {
-        match component {
-            Component::CurDir => {}
-            Component::ParentDir => path.push(component),
-            Component::Normal(name) => {
-                let names = files.names(&path);
-                if names.iter().any(|known| known == name) {
-                    path.push(name);
-                    continue;
-                }
-                let lower = name.to_string_lossy().to_lowercase();
-                let mut equal = names
-                    .iter()
-                    .filter(|known| known.to_string_lossy().to_lowercase() == lower);
-                match (equal.next(), equal.next()) {
-                    (Some(only), None) => path.push(only),
-                    _ => return None,
-                }
-            }
-            Component::Prefix(_) | Component::RootDir => return None,
-        }
-    }
-    Some(path)
-}
-
 /// Files in memory.
 #[cfg(test)]
 #[derive(Debug, Default)]
-pub(crate) struct Memory(pub(crate) std::collections::BTreeMap<PathBuf, Vec<u8>>);
+pub(crate) struct Memory(pub(crate) BTreeMap<PathBuf, Vec<u8>>);
 
 #[cfg(test)]
 impl Memory {
@@ -159,7 +215,7 @@ impl Files for Memory {
             .filter_map(|path| path.strip_prefix(folder).ok());
         below
             .filter_map(|path| path.iter().next().map(ToOwned::to_owned))
-            .collect::<std::collections::BTreeSet<_>>()
+            .collect::<BTreeSet<_>>()
             .into_iter()
             .collect()
     }
@@ -177,7 +233,7 @@ mod tests {
             ("dir/Two.png", b""),
             ("dir/has #1.png", b""),
         ]);
-        let (path, bytes) = read_named(&files, Path::new("dir"), name);
+        let (path, bytes) = Finder::new(&files).read_named(Path::new("dir"), name);
         bytes.ok().map(|_| path.to_string_lossy().into_owned())
     }
 

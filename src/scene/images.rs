@@ -6,14 +6,14 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::SceneError;
-use super::files::{Files, read_named};
+use super::files::Finder;
 use super::place::Place;
 use crate::texture::{EnvironmentMap, Texture, TextureError};
 
 /// Reads and decodes image files; what asks for the same path gets the same
 /// image.
 pub(crate) struct Images<'a> {
-    files: &'a dyn Files,
+    finder: &'a Finder<'a>,
     /// By their path, and by the paths that were asked for.
     textures: RefCell<BTreeMap<PathBuf, Result<Arc<Texture>, Unreadable>>>,
     environments: RefCell<BTreeMap<PathBuf, Arc<EnvironmentMap>>>,
@@ -27,17 +27,17 @@ pub(crate) struct Unreadable {
 }
 
 impl<'a> Images<'a> {
-    /// Images from a source of files.
-    pub(crate) fn new(files: &'a dyn Files) -> Self {
+    /// Images of the files that `finder` finds.
+    pub(crate) fn new(finder: &'a Finder<'a>) -> Self {
         Self {
-            files,
+            finder,
             textures: RefCell::default(),
             environments: RefCell::default(),
         }
     }
 
     /// The colour map that `name`, written at `place` in a file of `folder`,
-    /// means; see [`read_named`].
+    /// means; see [`Finder::read_named`].
     ///
     /// # Errors
     /// A file that is there but is no such image.
@@ -52,7 +52,7 @@ impl<'a> Images<'a> {
         if let Some(texture) = known.get(&asked) {
             return Ok(texture.clone());
         }
-        let (path, bytes) = read_named(self.files, folder, name);
+        let (path, bytes) = self.finder.read_named(folder, name);
         let texture = match (known.get(&path), bytes) {
             (Some(texture), _) => texture.clone(),
             (None, Ok(bytes)) => Ok(Arc::new(
@@ -81,7 +81,7 @@ impl<'a> Images<'a> {
         if let Some(map) = known.get(path) {
             return Ok(map.clone());
         }
-        let bytes = self.files.read(path).map_err(|source| SceneError::Read {
+        let bytes = self.finder.read(path).map_err(|source| SceneError::Read {
             place: format!("{place}: "),
             path: path.to_owned(),
             source,

@@ -7,7 +7,7 @@ use glam::Vec3;
 
 use super::file::Document;
 use super::file::fields::{key_error, suggestion};
-use super::files::{Disk, Files};
+use super::files::{Disk, Files, Finder};
 use super::images::Images;
 use super::maps::{self, MapStatement};
 use super::obj::{self, Loaded};
@@ -43,13 +43,14 @@ impl Scene {
         overrides: &[Override],
         files: &dyn Files,
     ) -> Result<Self, SceneError> {
-        let images = Images::new(files);
+        let finder = Finder::new(files);
+        let images = Images::new(&finder);
         let document = Document::parse(strict_text(bytes, path)?, path, overrides, &images)?;
         let asked_by = format!("{}: ", document.mesh_place);
         let mesh_bytes = files.read(&document.mesh);
         let mesh_bytes =
             mesh_bytes.map_err(|source| unreadable(&asked_by, &document.mesh, source))?;
-        let mut loaded = obj::load(&mesh_bytes, &document.mesh, document.normals, files)?;
+        let mut loaded = obj::load(&mesh_bytes, &document.mesh, document.normals, &finder)?;
         check_extent(&loaded.mesh, &document.mesh)?;
         override_materials(&mut loaded, &document)?;
         maps::attach(&mut loaded, &images)?;

@@ -5,7 +5,7 @@ use std::path::Path;
 use glam::{DVec3, Vec3};
 
 use super::{Document, Images};
-use crate::scene::files::Memory;
+use crate::scene::files::{Finder, Memory};
 use crate::scene::{
     Bounces, LightKind, Normals, Override, PixelLimit, Radiance, SceneError, Tone, sample_images,
 };
@@ -17,7 +17,8 @@ const HEAD: &str = "mesh = \"a.obj\"\n[camera]\nposition = [0, 1, 5]\ntarget = [
 fn parse(text: &str, overrides: &[&str]) -> Result<Document, SceneError> {
     let overrides: Result<Vec<_>, _> = overrides.iter().map(|o| Override::parse(o)).collect();
     let files = Memory::of(&[("dir/a/sky.HDR", sample_images::HDR)]);
-    let images = Images::new(&files);
+    let finder = Finder::new(&files);
+    let images = Images::new(&finder);
     Document::parse(text, Path::new("dir/s.toml"), &overrides?, &images)
 }
 

@@ -15,6 +15,7 @@ use super::lines::{Statement, number, statements};
 use super::mtl::Libraries;
 use crate::scene::defects::{Defect, Defects};
 use crate::scene::file::fields::{LARGEST, unit};
+use crate::scene::file::shortened;
 use crate::scene::place::Place;
 use crate::scene::{Normals, SceneError};
 
@@ -195,8 +196,10 @@ impl Cleaner<'_> {
     fn face(&mut self, statement: &Statement<'_>, above: &Above) -> Result<(), SceneError> {
         let line = statement.line;
         let mut corners = Vec::new();
-        for word in statement.words() {
+        let before_comment = statement.rest.split('#').next().unwrap_or_default();
+        for word in before_comment.split_whitespace() {
             let corner = corner(word).ok_or_else(|| {
+                let word = shortened(word);
                 let message = format!("{word:?} is no corner such as 1, 1/1, 1//1 or 1/1/1");
                 self.error(statement, &message)
             })?;

@@ -17,7 +17,7 @@ use std::path::Path;
 use self::clean::Cleaned;
 use self::mtl::Libraries;
 use super::defects::Defects;
-use super::files::Files;
+use super::files::Finder;
 use super::maps::MaterialMaps;
 use super::place::Place;
 use super::text::lenient_text;
@@ -45,12 +45,12 @@ pub(crate) fn load(
     bytes: &[u8],
     path: &Path,
     normals: Normals,
-    files: &dyn Files,
+    finder: &Finder<'_>,
 ) -> Result<Loaded, SceneError> {
     let text = lenient_text(bytes, path)?;
     let text = lines::normalized(&text);
     let mut defects = Defects::default();
-    let libraries = Libraries::read(&text, path, files, &mut defects)?;
+    let libraries = Libraries::read(&text, path, finder, &mut defects)?;
     let cleaned = clean::clean(&text, path, normals, &libraries, &mut defects)?;
     let (models, parsed) = parse(&cleaned, &libraries).map_err(|error| SceneError::Mesh {
         place: path.display().to_string(),

@@ -14,7 +14,7 @@ use super::texture_statement;
 use crate::scene::defects::{Defect, Defects};
 use crate::scene::file::fields::LARGEST;
 use crate::scene::file::shortened;
-use crate::scene::files::{Files, read_named};
+use crate::scene::files::{Finder, ReadFile};
 use crate::scene::maps::{MapStatement, MaterialMaps};
 use crate::scene::place::Place;
 use crate::scene::text::lenient_text;
@@ -45,7 +45,7 @@ impl Libraries {
     pub(super) fn read(
         text: &str,
         path: &Path,
-        source: &dyn Files,
+        finder: &Finder<'_>,
         defects: &mut Defects,
     ) -> Result<Self, SceneError> {
         let mut libraries = Self::default();
@@ -53,7 +53,7 @@ impl Libraries {
         let mut done: BTreeSet<PathBuf> = BTreeSet::new();
         for statement in statements(text).filter(|s| s.keyword == "mtllib") {
             libraries.is_any_named = true;
-            for (library, bytes) in files(&statement, folder, source) {
+            for (library, bytes) in files(&statement, folder, finder) {
                 if !done.insert(library.clone()) {
                     continue;
                 }
@@ -172,17 +172,15 @@ impl Libraries {
     }
 }
 
-type Library = (PathBuf, std::io::Result<Vec<u8>>);
-
 /// The files that a `mtllib` statement names: one whose name may hold spaces,
 /// or else several separated by spaces.
-fn files(statement: &Statement<'_>, folder: &Path, files: &dyn Files) -> Vec<Library> {
-    let whole = read_named(files, folder, statement.rest);
+fn files(statement: &Statement<'_>, folder: &Path, finder: &Finder<'_>) -> Vec<ReadFile> {
+    let whole = finder.read_named(folder, statement.rest);
     if whole.1.is_ok() || !statement.rest.contains(char::is_whitespace) {
         return vec![whole];
     }
     let words = statement.words();
-    let several: Vec<Library> = words.map(|name| read_named(files, folder, name)).collect();
+    let several: Vec<ReadFile> = words.map(|name| finder.read_named(folder, name)).collect();
     if several.iter().any(|(_, bytes)| bytes.is_ok()) {
         several
     } else {

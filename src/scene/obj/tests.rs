@@ -5,7 +5,7 @@ use std::path::Path;
 use glam::{DVec2, DVec3, Vec3};
 
 use super::{Loaded, load};
-use crate::scene::files::Memory;
+use crate::scene::files::{Finder, Memory};
 use crate::scene::{Normals, SceneError};
 
 /// A square in the plane z = 0 and a corner above it.
@@ -14,7 +14,12 @@ const VERTICES: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0.5 0.5 1\n";
 fn load_as(obj: &str, mtl: Option<&str>, normals: Normals) -> Result<Loaded, SceneError> {
     let mtl = mtl.map(|text| ("a b.mtl", text.as_bytes()));
     let files = Memory::of(mtl.as_slice());
-    load(obj.as_bytes(), Path::new("a.obj"), normals, &files)
+    load(
+        obj.as_bytes(),
+        Path::new("a.obj"),
+        normals,
+        &Finder::new(&files),
+    )
 }
 
 fn mesh(obj: &str) -> Loaded {
@@ -136,7 +141,7 @@ fn a_mesh_without_triangles_is_an_error() {
         b"\x89PNG\r\n\x1a\n\0\0",
         Path::new("a.obj"),
         Normals::File,
-        &Memory::default(),
+        &Finder::new(&Memory::default()),
     );
     assert!(junk.unwrap_err().to_string().contains("no text"));
 }
@@ -294,7 +299,13 @@ fn several_libraries_on_a_line() {
     let text = format!(
         "{VERTICES}usemtl a\nf 1 2 3\nusemtl b b\nf 1 2 4\nmtllib none.mtl one.mtl two.mtl\n"
     );
-    let loaded = load(text.as_bytes(), Path::new("a.obj"), Normals::File, &files).unwrap();
+    let loaded = load(
+        text.as_bytes(),
+        Path::new("a.obj"),
+        Normals::File,
+        &Finder::new(&files),
+    )
+    .unwrap();
     let used: Vec<_> = loaded
         .mesh
         .triangles
