@@ -1,14 +1,16 @@
 //! From a path to a [`Scene`].
 
+use std::io;
 use std::path::Path;
 
 use glam::Vec3;
 
 use super::file::Document;
 use super::file::fields::{key_error, suggestion};
+use super::files::{Disk, Files, Finder};
 use super::images::Images;
 use super::maps::{self, MapStatement};
-use super::obj::{self, Loaded, ReadFile};
+use super::obj::{self, Loaded};
 use super::place::Place;
 use super::text::strict_text;
 use super::{Material, Mesh, Override, Placement, Scene, SceneError};
@@ -27,21 +29,28 @@ impl Scene {
     /// be understood or is out of range, with file, line and what is allowed.
     /// A missing MTL file and broken faces are [`Scene::warnings`] instead.
     pub fn load(path: &Path, overrides: &[Override]) -> Result<Self, SceneError> {
-        Self::load_with(path, overrides, &|path| std::fs::read(path))
+        // Unlike the files that it names, it may be a pipe.
+        let bytes = std::fs::read(path);
+        let bytes = bytes.map_err(|source| unreadable("", path, source))?;
+        Self::load_with(&bytes, path, overrides, &Disk)
     }
 
-    /// [`Scene::load`] with another source of files.
+    /// [`Scene::load`] of the bytes that `path` holds, with another source of
+    /// files.
     pub(crate) fn load_with(
+        bytes: &[u8],
         path: &Path,
         overrides: &[Override],
-        read: ReadFile<'_>,
+        files: &dyn Files,
     ) -> Result<Self, SceneError> {
-        let bytes = read_for("", path, read)?;
-        let images = Images::new(read);
-        let document = Document::parse(strict_text(&bytes, path)?, path, overrides, &images)?;
+        let finder = Finder::new(files);
+        let images = Images::new(&finder);
+        let document = Document::parse(strict_text(bytes, path)?, path, overrides, &images)?;
         let asked_by = format!("{}: ", document.mesh_place);
-        let mesh_bytes = read_for(&asked_by, &document.mesh, read)?;
-        let mut loaded = obj::load(&mesh_bytes, &document.mesh, document.normals, read)?;
+        let mesh_bytes = files.read(&document.mesh);
+        let mesh_bytes =
+            mesh_bytes.map_err(|source| unreadable(&asked_by, &document.mesh, source))?;
+        let mut loaded = obj::load(&mesh_bytes, &document.mesh, document.normals, &finder)?;
         check_extent(&loaded.mesh, &document.mesh)?;
         override_materials(&mut loaded, &document)?;
         maps::attach(&mut loaded, &images)?;
@@ -86,12 +95,12 @@ fn check_extent(mesh: &Mesh, path: &Path) -> Result<(), SceneError> {
     })
 }
 
-fn read_for(place: &str, path: &Path, read: ReadFile<'_>) -> Result<Vec<u8>, SceneError> {
-    read(path).map_err(|source| SceneError::Read {
+fn unreadable(place: &str, path: &Path, source: io::Error) -> SceneError {
+    SceneError::Read {
         place: place.to_owned(),
         path: path.to_owned(),
         source,
-    })
+    }
 }
 
 /// Applies `[[material]]`, also to where warnings about a material point.
@@ -150,7 +159,10 @@ fn material_index(loaded: &Loaded, name: &str, place: &Place) -> Result<usize, S
 /// One sentence for each thing that materials of the mesh ask for and that
 /// frames lack so far.
 fn not_rendered_yet(loaded: &Loaded) -> Vec<String> {
-    let is_used = maps::used(&loaded.mesh, loaded.materials.len());
+    let mut is_used = vec![false; loaded.materials.len()];
+    for triangle in &loaded.mesh.triangles {
+        is_used[triangle.material as usize] = true;
+    }
     let mut warnings = Vec::new();
     for (what, asks) in NOT_YET {
         let used = (0..is_used.len()).filter(|&index| is_used[index]);

@@ -7,8 +7,10 @@
 
 mod animation;
 mod camera;
+mod defects;
 mod error;
 mod file;
+mod files;
 mod golden;
 mod images;
 mod light;

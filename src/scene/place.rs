@@ -27,6 +27,11 @@ impl Place {
         }
     }
 
+    /// Whether it is an argument of `--set`.
+    pub(crate) fn is_override(&self) -> bool {
+        matches!(self, Self::Set { .. })
+    }
+
     /// The same place without its column, for warnings.
     pub(crate) fn line_only(&self) -> Self {
         match self {

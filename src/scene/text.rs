@@ -5,15 +5,24 @@ use std::path::Path;
 
 use super::SceneError;
 
-/// Text of an OBJ or MTL file. Bytes that are not UTF-8 become U+FFFD, since
-/// old exporters wrote names and comments in the code page of their machine.
+/// Text of an OBJ or MTL file. Bytes that are not UTF-8 count as Latin-1,
+/// since old exporters wrote names in the code page of their machine; different
+/// names stay different.
 ///
 /// # Errors
 /// UTF-16, and files that hold control characters and so are no text.
 pub(crate) fn lenient_text<'a>(bytes: &'a [u8], path: &Path) -> Result<Cow<'a, str>, SceneError> {
     let bytes = without_mark(bytes, path)?;
     refuse_binary(bytes, path)?;
-    Ok(String::from_utf8_lossy(bytes))
+    if let Ok(text) = std::str::from_utf8(bytes) {
+        return Ok(Cow::Borrowed(text));
+    }
+    let mut text = String::with_capacity(bytes.len());
+    for chunk in bytes.utf8_chunks() {
+        text.push_str(chunk.valid());
+        text.extend(chunk.invalid().iter().copied().map(char::from));
+    }
+    Ok(Cow::Owned(text))
 }
 
 /// Text of a scene file, which TOML wants to be UTF-8.
@@ -30,7 +39,13 @@ pub(crate) fn strict_text<'a>(bytes: &'a [u8], path: &Path) -> Result<&'a str, S
 
 /// Drops the byte order mark of UTF-8 and refuses those of UTF-16.
 fn without_mark<'a>(bytes: &'a [u8], path: &Path) -> Result<&'a [u8], SceneError> {
-    if bytes.starts_with(&[0xff, 0xfe]) || bytes.starts_with(&[0xfe, 0xff]) {
+    // Without its mark, UTF-16 shows by the upper half of the first letter.
+    let is_wide = match bytes {
+        [0xff, 0xfe, ..] | [0xfe, 0xff, ..] => true,
+        [first, second, ..] => (*first == 0) != (*second == 0),
+        _ => false,
+    };
+    if is_wide {
         return Err(not_text(path, 1, "is UTF-16 text; save the file as UTF-8"));
     }
     Ok(bytes.strip_prefix(&[0xef, 0xbb, 0xbf]).unwrap_or(bytes))
@@ -74,10 +89,12 @@ mod tests {
         assert_eq!(plain, "v 1 2 3");
         let wide = lenient_text(b"\xff\xfev\0 \0", path).unwrap_err();
         assert!(wide.to_string().contains("UTF-16"), "{wide}");
+        let unmarked = lenient_text(b"v\0 \0", path).unwrap_err();
+        assert!(unmarked.to_string().contains("UTF-16"), "{unmarked}");
         let junk = lenient_text(b"v 1\n\x00\x01", path).unwrap_err();
         assert!(junk.to_string().starts_with("a.obj:2: "), "{junk}");
         let latin = lenient_text(b"# caf\xe9\x1a", path).unwrap();
-        assert_eq!(latin, "# caf\u{fffd}\x1a");
+        assert_eq!(latin, "# café\x1a");
         assert!(strict_text(b"# caf\xe9", path).is_err());
     }
 }

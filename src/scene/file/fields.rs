@@ -72,6 +72,11 @@ impl Fields {
         self.what = what;
     }
 
+    /// Lets errors about the table as a whole point elsewhere from here on.
+    pub(crate) fn move_to(&mut self, place: Place) {
+        self.place = place;
+    }
+
     /// Refuses every key that is still there and not in `allowed`.
     pub(crate) fn allow(&self, allowed: &[&str]) -> Result<(), SceneError> {
         let unknown = |key: &&super::tree::Entry| !allowed.contains(&key.key.as_str());

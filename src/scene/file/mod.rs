@@ -25,6 +25,7 @@ use super::{Animation, BakeKeys, Camera, GoldenKeys, Light, Normals, RenderKeys,
 use crate::texture::TextureFilter;
 
 pub use self::overrides::Override;
+pub(crate) use self::tree::shortened;
 
 const KEYS: [&str; 10] = [
     "mesh",

@@ -1,11 +1,11 @@
 //! The scene file alone.
 
-use std::io;
 use std::path::Path;
 
 use glam::{DVec3, Vec3};
 
 use super::{Document, Images};
+use crate::scene::files::{Finder, Memory};
 use crate::scene::{
     Bounces, LightKind, Normals, Override, PixelLimit, Radiance, SceneError, Tone, sample_images,
 };
@@ -16,11 +16,9 @@ const HEAD: &str = "mesh = \"a.obj\"\n[camera]\nposition = [0, 1, 5]\ntarget = [
 
 fn parse(text: &str, overrides: &[&str]) -> Result<Document, SceneError> {
     let overrides: Result<Vec<_>, _> = overrides.iter().map(|o| Override::parse(o)).collect();
-    let sky = |path: &Path| match path.to_str() {
-        Some("dir/a/sky.HDR") => Ok(sample_images::HDR.to_vec()),
-        _ => Err(io::ErrorKind::NotFound.into()),
-    };
-    let images = Images::new(&sky);
+    let files = Memory::of(&[("dir/a/sky.HDR", sample_images::HDR)]);
+    let finder = Finder::new(&files);
+    let images = Images::new(&finder);
     Document::parse(text, Path::new("dir/s.toml"), &overrides?, &images)
 }
 

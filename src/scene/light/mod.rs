@@ -146,7 +146,14 @@ impl Light {
         let kind_item = fields.require("kind", "point, spot, directional, area or environment")?;
         let (keys, read) = kind_item.choice(&KINDS)?;
         let kind_name = kind_item.string()?;
-        fields.rename(format!("light {name:?} ({kind_name})"));
+        if kind_item.place().is_override() {
+            // Then the keys in the file are right, and the kind is at fault.
+            let place = kind_item.place();
+            fields.rename(format!("light {name:?} ({kind_name}, by {place})"));
+            fields.move_to(place.clone());
+        } else {
+            fields.rename(format!("light {name:?} ({kind_name})"));
+        }
         let allowed: Vec<&str> = ["name", "kind"].iter().chain(keys).copied().collect();
         fields.allow(&allowed)?;
         Ok(Self {

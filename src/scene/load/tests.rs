@@ -1,11 +1,10 @@
 //! Scenes as a whole, from files in memory.
 
-use std::collections::BTreeMap;
-use std::io;
 use std::path::Path;
 
 use glam::{DVec3, Vec3};
 
+use super::super::files::{Files, Memory};
 use super::super::{LightKind, Override, Radiance, Scene, SceneError, sample_images};
 use crate::maths::hash::hash3;
 
@@ -17,14 +16,10 @@ const MTL: &str =
     "newmtl floor\nKd 0.5 0.25 1\nmap_Kd -s 1 1 1 my wood.png\nnewmtl wall\nKd 0.3 0.3 0.3\n";
 
 fn load_files(files: &[(&str, &[u8])], overrides: &[&str]) -> Result<Scene, SceneError> {
-    let files: BTreeMap<&str, &[u8]> = files.iter().copied().collect();
+    let files = Memory::of(files);
     let overrides: Result<Vec<_>, _> = overrides.iter().map(|o| Override::parse(o)).collect();
-    Scene::load_with(Path::new("dir/s.toml"), &overrides?, &|path| {
-        let bytes = path.to_str().and_then(|path| files.get(path));
-        bytes
-            .map(|bytes| bytes.to_vec())
-            .ok_or_else(|| io::ErrorKind::NotFound.into())
-    })
+    let path = Path::new("dir/s.toml");
+    Scene::load_with(&files.read(path).unwrap(), path, &overrides?, &files)
 }
 
 fn load(toml: &str, overrides: &[&str]) -> Result<Scene, SceneError> {
@@ -61,9 +56,9 @@ fn a_scene_with_its_materials() {
 
 #[test]
 fn missing_files() {
-    let missing_scene = load_files(&[], &[]).unwrap_err();
+    let missing_scene = Scene::load(Path::new("no/s.toml"), &[]).unwrap_err();
     assert!(missing_scene.is_io());
-    assert!(missing_scene.to_string().contains("dir/s.toml"));
+    assert!(missing_scene.to_string().contains("no/s.toml"));
     let missing_mesh = load(&HEAD.replace("a.obj", "b.obj"), &[]).unwrap_err();
     assert!(missing_mesh.is_io());
     assert!(

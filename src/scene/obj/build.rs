@@ -5,7 +5,7 @@ use std::path::Path;
 use glam::{DVec2, DVec3};
 
 use super::clean::{Cleaned, FaceNote};
-use super::defects::{Defect, Defects};
+use crate::scene::defects::{Defect, Defects};
 use crate::scene::file::fields::unit;
 use crate::scene::{Mesh, MeshTriangle, SceneError};
 

@@ -11,10 +11,11 @@ use std::path::Path;
 
 use glam::DVec3;
 
-use super::defects::{Defect, Defects};
 use super::lines::{Statement, number, statements};
 use super::mtl::Libraries;
+use crate::scene::defects::{Defect, Defects};
 use crate::scene::file::fields::{LARGEST, unit};
+use crate::scene::file::shortened;
 use crate::scene::place::Place;
 use crate::scene::{Normals, SceneError};
 
@@ -182,21 +183,23 @@ impl Cleaner<'_> {
     }
 
     fn use_material(&mut self, statement: &Statement<'_>) {
-        let name = if self.libraries.knows(statement.rest) {
-            statement.rest
-        } else {
+        let name = self.libraries.named(statement.rest).unwrap_or_else(|why| {
+            let place = Place::of_line(self.path, statement.line);
+            let text = format!("{why}; {}", Defect::UnknownMaterial.text());
             self.defects
-                .add(Defect::UnknownMaterial, self.path, statement.line);
+                .add_text(Defect::UnknownMaterial, &place, &text);
             NO_MATERIAL
-        };
+        });
         writeln!(self.text, "usemtl {name}").expect("a string takes any text");
     }
 
     fn face(&mut self, statement: &Statement<'_>, above: &Above) -> Result<(), SceneError> {
         let line = statement.line;
         let mut corners = Vec::new();
-        for word in statement.words() {
+        let before_comment = statement.rest.split('#').next().unwrap_or_default();
+        for word in before_comment.split_whitespace() {
             let corner = corner(word).ok_or_else(|| {
+                let word = shortened(word);
                 let message = format!("{word:?} is no corner such as 1, 1/1, 1//1 or 1/1/1");
                 self.error(statement, &message)
             })?;

@@ -25,23 +25,35 @@ impl<'a> Statement<'a> {
 /// statement continued by a back-slash is joined; empty lines make up for the
 /// ones that it took, so that line numbers stay.
 pub(super) fn normalized(text: &str) -> Cow<'_, str> {
-    let text = if !text.contains('\n') && text.contains('\r') {
-        Cow::Owned(text.replace('\r', "\n"))
+    let text = if has_lone_carriage_return(text) {
+        // Two of them are a line end that was translated twice.
+        let once = text.replace("\r\r\n", "\n").replace("\r\n", "\n");
+        Cow::Owned(once.replace('\r', "\n"))
     } else {
         Cow::Borrowed(text)
     };
-    if text.contains("\\\n") || text.contains("\\\r\n") {
+    if text.contains("\\\n") || text.contains("\\\r\n") || text.ends_with('\\') {
         Cow::Owned(joined(&text))
     } else {
         text
     }
 }
 
+/// Whether a line ends as those of old Macintoshes do.
+fn has_lone_carriage_return(text: &str) -> bool {
+    let bytes = text.as_bytes();
+    let mut returns = text.match_indices('\r');
+    returns.any(|(offset, _)| bytes.get(offset + 1) != Some(&b'\n'))
+}
+
 fn joined(text: &str) -> String {
     let mut result = String::with_capacity(text.len());
     let mut owed = 0;
     for line in text.lines() {
-        if let Some(start) = line.strip_suffix('\\') {
+        // A comment may end with the path of a folder.
+        let is_comment = owed == 0 && line.trim_start().starts_with('#');
+        let start = line.strip_suffix('\\').filter(|_| !is_comment);
+        if let Some(start) = start {
             result.push_str(start);
             result.push(' ');
             owed += 1;
@@ -94,7 +106,15 @@ mod tests {
         let found: Vec<_> = statements(&text).collect();
         assert_eq!(found[0].words().collect::<Vec<_>>(), ["1", "2", "3"]);
         assert_eq!((found[1].line, found[1].keyword), (4, "v"));
-        assert_eq!(statements(&normalized("a\rb\r")).count(), 2);
+        let lines = |text| {
+            let text = normalized(text);
+            let found = statements(&text).map(|s| format!("{} {}{}", s.line, s.keyword, s.rest));
+            found.collect::<Vec<_>>()
+        };
+        for text in ["a\rb\r", "a\r\nb\r\n", "a\r\r\nb", "a\rb\n", "a\nb\\"] {
+            assert_eq!(lines(text), ["1 a", "2 b"], "{text:?}");
+        }
+        assert_eq!(lines("# C:\\models\\\nf 1\\\n2"), ["2 f1 2"]);
     }
 
     #[test]

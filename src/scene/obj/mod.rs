@@ -7,24 +7,21 @@
 
 mod build;
 mod clean;
-mod defects;
 mod lines;
 mod mtl;
 mod smooth;
+mod texture_statement;
 
-use std::io;
 use std::path::Path;
 
 use self::clean::Cleaned;
-use self::defects::Defects;
 use self::mtl::Libraries;
+use super::defects::Defects;
+use super::files::Finder;
 use super::maps::MaterialMaps;
 use super::place::Place;
 use super::text::lenient_text;
 use super::{Material, Mesh, Normals, SceneError};
-
-/// How files are read: the file system, or a table in tests.
-pub(crate) type ReadFile<'a> = &'a dyn Fn(&Path) -> io::Result<Vec<u8>>;
 
 /// An OBJ file with its materials.
 #[derive(Debug)]
@@ -48,12 +45,12 @@ pub(crate) fn load(
     bytes: &[u8],
     path: &Path,
     normals: Normals,
-    read: ReadFile<'_>,
+    finder: &Finder<'_>,
 ) -> Result<Loaded, SceneError> {
     let text = lenient_text(bytes, path)?;
     let text = lines::normalized(&text);
     let mut defects = Defects::default();
-    let libraries = Libraries::read(&text, path, read, &mut defects)?;
+    let libraries = Libraries::read(&text, path, finder, &mut defects)?;
     let cleaned = clean::clean(&text, path, normals, &libraries, &mut defects)?;
     let (models, parsed) = parse(&cleaned, &libraries).map_err(|error| SceneError::Mesh {
         place: path.display().to_string(),

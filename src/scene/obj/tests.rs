@@ -1,22 +1,25 @@
 //! OBJ and MTL texts, good and bad.
 
-use std::io;
 use std::path::Path;
 
 use glam::{DVec2, DVec3, Vec3};
 
 use super::{Loaded, load};
+use crate::scene::files::{Finder, Memory};
 use crate::scene::{Normals, SceneError};
 
 /// A square in the plane z = 0 and a corner above it.
 const VERTICES: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0.5 0.5 1\n";
 
 fn load_as(obj: &str, mtl: Option<&str>, normals: Normals) -> Result<Loaded, SceneError> {
-    load(obj.as_bytes(), Path::new("a.obj"), normals, &|path| {
-        mtl.filter(|_| path == Path::new("a b.mtl"))
-            .map(|text| text.as_bytes().to_vec())
-            .ok_or_else(|| io::ErrorKind::NotFound.into())
-    })
+    let mtl = mtl.map(|text| ("a b.mtl", text.as_bytes()));
+    let files = Memory::of(mtl.as_slice());
+    load(
+        obj.as_bytes(),
+        Path::new("a.obj"),
+        normals,
+        &Finder::new(&files),
+    )
 }
 
 fn mesh(obj: &str) -> Loaded {
@@ -138,7 +141,7 @@ fn a_mesh_without_triangles_is_an_error() {
         b"\x89PNG\r\n\x1a\n\0\0",
         Path::new("a.obj"),
         Normals::File,
-        &|_| Ok(Vec::new()),
+        &Finder::new(&Memory::default()),
     );
     assert!(junk.unwrap_err().to_string().contains("no text"));
 }
@@ -248,12 +251,9 @@ fn material_values_have_defaults_and_limits() {
     let names: Vec<_> = loaded.materials.iter().map(|m| m.name.as_str()).collect();
     assert_eq!(names[2..4], ["only map", "grey # not a comment"]);
     assert_eq!(names[6], "", "triangles without usemtl");
-    for (index, name) in [(1, "a.png"), (2, "tex/b.png")] {
+    for (index, name) in [(1, "a.png"), (2, "tex\\b.png")] {
         let map = loaded.material_maps[index].albedo.as_ref().unwrap();
-        assert_eq!(
-            (map.path.as_path(), map.stands_alone),
-            (Path::new(name), true)
-        );
+        assert_eq!((map.name.as_str(), map.stands_alone), (name, true));
     }
     assert_eq!(loaded.materials[3].specular, Vec3::new(0.1, 0.2, 1.0));
     assert_eq!(loaded.materials[3].emission, Vec3::new(3.0, 2.0, 1.0));
@@ -292,15 +292,20 @@ fn unknown_materials_and_files_are_warnings() {
 
 #[test]
 fn several_libraries_on_a_line() {
-    let files = |path: &Path| match path.to_str() {
-        Some("one.mtl") => Ok(b"newmtl a\nKd 1 0 0\n".to_vec()),
-        Some("two.mtl") => Ok(b"newmtl a\nKd 0 1 0\nnewmtl b b\nKd 0 0 1\n".to_vec()),
-        _ => Err(io::ErrorKind::NotFound.into()),
-    };
+    let files = Memory::of(&[
+        ("one.mtl", b"newmtl a\nKd 1 0 0\n"),
+        ("two.mtl", b"newmtl a\nKd 0 1 0\nnewmtl b b\nKd 0 0 1\n"),
+    ]);
     let text = format!(
         "{VERTICES}usemtl a\nf 1 2 3\nusemtl b b\nf 1 2 4\nmtllib none.mtl one.mtl two.mtl\n"
     );
-    let loaded = load(text.as_bytes(), Path::new("a.obj"), Normals::File, &files).unwrap();
+    let loaded = load(
+        text.as_bytes(),
+        Path::new("a.obj"),
+        Normals::File,
+        &Finder::new(&files),
+    )
+    .unwrap();
     let used: Vec<_> = loaded
         .mesh
         .triangles
