@@ -40,7 +40,7 @@ pub(super) struct Tree {
 }
 
 impl Tree {
-    /// Of at least one polygon.
+    /// Of at least [`COARSE_NODES`] polygons.
     pub(super) fn new(polygons: &[Polygon]) -> Self {
         let items: Vec<Item> = polygons.iter().map(Item::new).collect();
         let mut order: Vec<u32> = (0..polygons.len() as u32).collect();
@@ -190,7 +190,7 @@ impl Builder<'_> {
     fn split_axis(&self, order: &[u32]) -> usize {
         let anchor = &self.items[order[0] as usize].coordinates;
         let (mut sum, mut squares, mut total) = ([0.0; 6], [0.0; 6], 0.0);
-        for &index in &*order {
+        for &index in order {
             let item = &self.items[index as usize];
             total += item.weight;
             for axis in 0..6 {
