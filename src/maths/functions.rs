@@ -10,7 +10,6 @@ pub(crate) fn sin(x: f64) -> f64 {
 }
 
 /// Cosine of `x` radians.
-#[cfg(test)]
 pub(crate) fn cos(x: f64) -> f64 {
     libm::cos(x)
 }
