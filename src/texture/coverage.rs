@@ -43,7 +43,7 @@ pub(super) fn visit_rows(outline: [Vec2; 4], mut visit: impl FnMut(i32, i32, &[f
     let lowest = outline.iter().fold(f32::INFINITY, |y, p| y.min(p.y));
     let highest = outline.iter().fold(f32::NEG_INFINITY, |y, p| y.max(p.y));
     let mut buffer = [0.0; MAX_COLUMNS + 4];
-    for row in lowest.floor() as i32..=highest.floor() as i32 {
+    for row in floor(lowest)..=floor(highest) {
         let mut pieces = [Piece::default(); 4];
         let mut count = 0;
         let [mut left, mut right] = [f32::INFINITY, f32::NEG_INFINITY];
@@ -58,8 +58,8 @@ pub(super) fn visit_rows(outline: [Vec2; 4], mut visit: impl FnMut(i32, i32, &[f
         if count == 0 {
             continue;
         }
-        let column = left.floor();
-        let width = ((right - column) as usize + 1).min(MAX_COLUMNS);
+        let column = floor(left) as f32;
+        let width = ((right - column) as i32 as usize + 1).min(MAX_COLUMNS);
         let areas = &mut buffer[..width + 1];
         areas.fill(0.0);
         for piece in &pieces[..count] {
@@ -72,6 +72,13 @@ pub(super) fn visit_rows(outline: [Vec2; 4], mut visit: impl FnMut(i32, i32, &[f
         }
         visit(row, column as i32, &areas[..width]);
     }
+}
+
+/// Largest whole number at or below a number of cells. The standard method is
+/// a call where the target has no instruction for it, which all x86-64 has not.
+pub(super) fn floor(x: f32) -> i32 {
+    let cut = x as i32;
+    cut - i32::from(cut as f32 > x)
 }
 
 /// An edge from its upper end (smaller y) to its lower one.
@@ -101,6 +108,7 @@ impl Edge {
     }
 
     /// The part between `row` and the next one; none of a horizontal edge.
+    #[inline]
     fn within(&self, row: f32) -> Option<Piece> {
         let upper = if self.from.y > row { self.from.y } else { row };
         let lower = if self.to.y < row + 1.0 {
@@ -139,10 +147,11 @@ struct Piece {
 impl Piece {
     /// Adds the differences of the area to the piece's right, `column` being
     /// the first cell.
+    #[inline]
     fn add_to(&self, differences: &mut [f32], column: f32) {
         let [left, right] = [self.left - column, self.right - column];
         let last = differences.len() - 2;
-        let [first_cell, last_cell] = [left, right].map(|x| (x as usize).min(last));
+        let [first_cell, last_cell] = [left, right].map(|x| (x as i32 as usize).min(last));
         if first_cell == last_cell {
             let inset = 0.5 * (left + right) - first_cell as f32;
             differences[first_cell] += self.height * (1.0 - inset);

@@ -30,6 +30,9 @@ const BOX_EXTENT: f32 = 0.75;
 /// checkerboard, is the error.
 const BOX_COVARIANCE: f32 = 0.004;
 
+/// A footprint below this extent (texels) is a point to the nearest filter: its
+/// area would be less than a hundred roundings of its corners.
+const POINT_EXTENT: f32 = 0.01;
 /// Most texels along an axis of a footprint in parts of texels.
 const MAX_TEXELS: usize = MAX_COLUMNS / 2 + 4;
 
@@ -128,7 +131,7 @@ impl<T: Texels> Grid<'_, T> {
     /// The texel that holds a place.
     pub(super) fn nearest(&self, middle: [f64; 2]) -> Vec3 {
         let [x, y] = self.place(middle);
-        self.at(x.floor() as i32, y.floor() as i32)
+        self.at(floor(x), floor(y))
     }
 
     /// Linear between the four nearest texel centres.
@@ -174,17 +177,19 @@ impl<T: Texels> Grid<'_, T> {
         })
     }
 
-    /// The texel that holds the whole footprint.
+    /// The texel that holds the whole footprint, or the middle of one whose
+    /// area is lost in rounding.
     pub(super) fn only_texel(&self, footprint: &Footprint) -> Option<Vec3> {
         let [a, b] = footprint.edges(self.size);
         let [x, y] = self.place(footprint.middle);
         let half = (a.abs() + b.abs()) * 0.5;
         let inside = |place: f64, half: f32| {
-            let part = (place - place.floor()) as f32;
+            let part = (place - f64::from(floor(place))) as f32;
             part >= half && part + half <= 1.0
         };
-        let is_inside = inside(x, half.x) && inside(y, half.y);
-        is_inside.then(|| self.at(x.floor() as i32, y.floor() as i32))
+        let is_point = half.max_element() < 0.5 * POINT_EXTENT;
+        let is_inside = is_point || (inside(x, half.x) && inside(y, half.y));
+        is_inside.then(|| self.at(floor(x), floor(y)))
     }
 
     /// The mean over the footprint, every texel taken as uniform.
@@ -205,19 +210,26 @@ impl<T: Texels> Grid<'_, T> {
     /// Sum of the texels from `column` on of the row that starts at index
     /// `start`, each times its weight.
     fn row_sum(&self, start: usize, column: i32, weights: &[f32]) -> Vec3 {
-        let mut sum = Vec3::ZERO;
-        let mut x = self.wrapped(column, 0);
-        for (i, &weight) in weights.iter().enumerate() {
-            sum += self.texels.texel(start + x) * weight;
-            x = if self.clamp {
-                self.wrapped(column + i as i32 + 1, 0)
-            } else if x + 1 == self.size[0] {
-                0
-            } else {
-                x + 1
-            };
+        let inside = column >= 0 && column as usize + weights.len() <= self.size[0];
+        if !inside {
+            let mut sum = Vec3::ZERO;
+            for (x, &weight) in (column..).zip(weights) {
+                sum += self.texels.texel(start + self.wrapped(x, 0)) * weight;
+            }
+            return sum;
         }
-        sum
+        // Two sums, since one addition would wait for the other.
+        let first = start + column as usize;
+        let [mut even, mut odd] = [Vec3::ZERO; 2];
+        let mut pairs = weights.chunks_exact(2);
+        for (i, pair) in pairs.by_ref().enumerate() {
+            even += self.texels.texel(first + 2 * i) * pair[0];
+            odd += self.texels.texel(first + 2 * i + 1) * pair[1];
+        }
+        for &weight in pairs.remainder() {
+            even += self.texels.texel(first + weights.len() - 1) * weight;
+        }
+        even + odd
     }
 
     /// The mean of the bilinear image over the footprint, in cells of a part
@@ -236,7 +248,8 @@ impl<T: Texels> Grid<'_, T> {
             if texel_rows.row != texel_row {
                 sum += texel_rows.take(self, texel_row);
             }
-            area += texel_rows.add(column + outline.cell[0], areas, lower_share);
+            texel_rows.add(column + outline.cell[0], areas, lower_share);
+            area += areas.iter().sum::<f32>();
         });
         (sum + texel_rows.take(self, 0)) / area
     }
@@ -279,11 +292,12 @@ impl Outline {
             return None;
         }
         let place = [0, 1].map(|axis| footprint.middle[axis] * size[axis] as f64);
-        let cell = place.map(f64::floor);
-        let middle = Vec2::new((place[0] - cell[0]) as f32, (place[1] - cell[1]) as f32);
+        let cell = place.map(floor);
+        let within = [0, 1].map(|axis| (place[axis] - f64::from(cell[axis])) as f32);
+        let middle = Vec2::from_array(within);
         Some(Self {
             corners: corners(middle, a, b),
-            cell: cell.map(|c| c as i32),
+            cell,
         })
     }
 }
@@ -322,8 +336,8 @@ impl TexelRows {
         (texel, (within + 0.5) / self.parts as f32)
     }
 
-    /// Adds a row of parts; returns its sum.
-    fn add(&mut self, column: i32, areas: &[f32], lower_share: f32) -> f32 {
+    /// Adds a row of parts.
+    fn add(&mut self, column: i32, areas: &[f32], lower_share: f32) {
         let (mut texel, mut right_share) = self.below(column);
         let last = self.below(column + areas.len() as i32 - 1).0 + 1;
         if self.last < self.first {
@@ -332,7 +346,6 @@ impl TexelRows {
         }
         self.reach(texel, last);
         let step = 1.0 / self.parts as f32;
-        let mut total = 0.0;
         for &area in areas {
             let at = (texel - self.first) as usize;
             let right = area * right_share;
@@ -341,14 +354,12 @@ impl TexelRows {
             self.upper[at + 1] += right - right * lower_share;
             self.lower[at] += left * lower_share;
             self.lower[at + 1] += right * lower_share;
-            total += area;
             right_share += step;
             if right_share >= 1.0 {
                 right_share -= 1.0;
                 texel += 1;
             }
         }
-        total
     }
 
     /// Makes room for the columns `first..=last`.
@@ -390,20 +401,27 @@ impl TexelRows {
     }
 }
 
+/// Largest whole number at or below a number of cells (below 2^31); see
+/// [`coverage::floor`](super::coverage::floor).
+fn floor(x: f64) -> i32 {
+    let cut = x as i32;
+    cut.saturating_sub(i32::from(f64::from(cut) > x))
+}
+
 /// Shares of three texels from the first on in the mean of the linear
 /// interpolation over `width` about `place` (texels; at most one wide).
 fn box_shares(place: f64, width: f32) -> (i32, [f32; 3]) {
     // Counted from the centre of texel 0.
     let from_center = place - 0.5;
-    let start = (from_center - 0.5 * f64::from(width)).floor();
-    let middle = (from_center - start) as f32;
+    let start = floor(from_center - 0.5 * f64::from(width));
+    let middle = (from_center - f64::from(start)) as f32;
     let beyond = middle + 0.5 * width - 1.0;
     if beyond <= 0.0 || width == 0.0 {
-        return (start as i32, [1.0 - middle, middle, 0.0]);
+        return (start, [1.0 - middle, middle, 0.0]);
     }
     // The box reaches over the middle texel's centre: `before` lies left of it.
     let before = width - beyond;
     let left = 0.5 * before * (before / width);
     let right = 0.5 * beyond * (beyond / width);
-    (start as i32, [left, 1.0 - left - right, right])
+    (start, [left, 1.0 - left - right, right])
 }

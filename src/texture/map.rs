@@ -228,7 +228,7 @@ impl TextureMap {
                 let reach = f64::from(half) + 1.0;
                 x.clamp(-reach, 1.0 + reach)
             } else {
-                x - x.floor()
+                fraction(x)
             }
         };
         Some(Footprint {
@@ -237,6 +237,17 @@ impl TextureMap {
             along_y,
         })
     }
+}
+
+/// What is left of a number above its largest whole part, 0..1.
+fn fraction(x: f64) -> f64 {
+    // The standard method is a call on x86-64; the cast holds here.
+    if x.abs() < f64::from(i32::MAX) {
+        let cut = f64::from(x as i32);
+        let left = x - cut;
+        return if left < 0.0 { left + 1.0 } else { left };
+    }
+    x - x.floor()
 }
 
 #[cfg(test)]

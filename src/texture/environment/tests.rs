@@ -105,7 +105,8 @@ fn cones_agree_with_brute_force() {
                 let [a, b] = [i % 8, i / 8].map(|k| (k as f32 - 3.5) / 8.0 * spread);
                 wanted += f64::from(sky((d + side * a + up * b).normalize())) / 64.0;
             }
-            error += (f64::from(map.radiance(d, spread).x) - wanted).powi(2);
+            let difference = f64::from(map.radiance(d, spread).x) - wanted;
+            error += difference * difference;
             truth += wanted * wanted;
         }
         assert!(

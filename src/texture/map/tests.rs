@@ -156,3 +156,76 @@ fn error_and_time() {
         }
     }
 }
+
+#[test]
+fn means_are_continuous() {
+    /// A step is a thousandth of the footprint's size or place, over which a
+    /// truth of contrast 1 changes by at most about 4 thousandths; the rest is
+    /// where a box becomes a covered outline and where octaves change.
+    const LIMIT: f32 = 0.012;
+    let map = checker(8);
+    for filter in FILTERS {
+        let mut last: Option<Vec3> = None;
+        let mut extent = 0.002;
+        while extent < 0.5 {
+            let edges = [
+                Vec2::new(extent, 0.3 * extent),
+                Vec2::new(-0.2 * extent, extent),
+            ];
+            let mean = map.mean(Vec2::new(0.31, 0.17), edges[0], edges[1], filter);
+            let step = last.map_or(0.0, |last| (mean - last).abs().max_element());
+            assert!(step < LIMIT, "{filter:?} {extent}: {step}");
+            last = Some(mean);
+            extent *= 1.001;
+        }
+    }
+}
+
+#[test]
+fn strange_coordinates_give_defined_colors() {
+    let map = atlas();
+    let clamped = TextureMap {
+        clamp: true,
+        ..map.clone()
+    };
+    let numbers = [0.0, 1e-30, -0.3, 7e4, -3e18, 3e38, f32::NAN, f32::INFINITY];
+    for filter in FILTERS {
+        for [a, b] in numbers.iter().flat_map(|&a| numbers.map(|b| [a, b])) {
+            for map in [&map, &clamped] {
+                for [at, x, y] in [[a, 0.01, b], [0.2, a, b], [b, a, a]] {
+                    let [at, x, y] = [Vec2::new(at, a), Vec2::new(x, b), Vec2::new(b, y)];
+                    let mean = map.mean(at, x, y, filter);
+                    assert!(
+                        mean.is_finite() && mean.max_element() < 1.0001,
+                        "{at} {x} {y}"
+                    );
+                    assert!(map.point(at, filter).is_finite());
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn places_follow_the_convention() {
+    // Two rows: the upper one 1 and 2, the lower one 3 and 4 of 255.
+    let map = map_of([2, 2], |x, y| [(1 + x + 2 * y) as u8; 3]);
+    let at = |map: &TextureMap, u, v| map.point(Vec2::new(u, v), TextureFilter::Nearest).x;
+    let linear = |level: usize| LINEAR_FROM_LEVEL[level];
+    assert_eq!(at(&map, 0.25, 0.75), linear(1));
+    assert_eq!(at(&map, 0.75, 0.25), linear(4));
+    assert_eq!(at(&map, -0.75, 5.75), linear(1));
+    let clamped = TextureMap {
+        clamp: true,
+        ..map.clone()
+    };
+    assert_eq!(at(&clamped, -7.0, -3.0), linear(3));
+    let moved = TextureMap {
+        scale: Vec2::splat(2.0),
+        offset: Vec2::new(0.5, 0.0),
+        ..map
+    };
+    assert_eq!(at(&moved, 0.125, 0.375), linear(2));
+    let mean = moved.mean(Vec2::ZERO, Vec2::ZERO, Vec2::ZERO, TextureFilter::Bilinear);
+    assert_eq!(mean, moved.point(Vec2::ZERO, TextureFilter::Bilinear));
+}
