@@ -78,8 +78,9 @@ pub(super) fn energy_ratios(bake: &Bake, surface: &Surface, level: Level) -> Ene
     let areas = in_slots(&|v| surface.vertices.areas()[v]);
     let arrived = bake.apply(level, &in_slots(&|_| 1.0));
     let (mut sum, mut count, mut worst) = (0.0, 0.0, 1.0_f64);
+    let shadows = direct::Shadows::of_surface(surface, level);
     for light in prior::unseen_lights(surface, level) {
-        let direct = direct::at_vertices_by_one_point(surface, level, &light);
+        let direct = direct::at_vertices_by_one_point(&shadows, &light);
         let radiosity = in_slots(&|v| direct[v].x);
         let irradiance = bake.apply(level, &radiosity);
         let weighted = |field: &[[f32; 3]], weight: &dyn Fn(usize) -> f32| -> f64 {

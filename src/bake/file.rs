@@ -10,10 +10,11 @@ use thiserror::Error;
 use super::basis::Basis;
 use super::key::BakeKey;
 use super::rows::{Indices, Rows};
+use super::sky::Sky;
 use super::{Bake, BakeStats};
 
 const MAGIC: &[u8; 8] = b"relume\x1ab";
-const FORMAT_VERSION: u32 = 3;
+const FORMAT_VERSION: u32 = 4;
 /// Bytes before the payload: magic, version, key, length, checksum.
 const HEADER: usize = 8 + 4 + 32 + 8 + 32;
 
@@ -92,24 +93,34 @@ fn encode_payload(bake: &Bake) -> Vec<u8> {
     out.list(&basis.function_counts);
     out.list(basis.values);
 
-    let rows = &bake.rows;
-    out.list(&rows.near_offsets);
-    out.indices(&rows.near);
-    out.list(rows.near_weights.as_flattened());
-    out.list(rows.near_steps.as_flattened());
-    out.list(&rows.basis_offsets);
-    out.list(&rows.coarse);
-    out.indices(&rows.functions);
-    out.list(rows.coefficients.as_flattened());
-    out.list(rows.basis_steps.as_flattened());
-    out.list(
-        &rows
-            .receivers
-            .iter()
-            .flat_map(|&(first, count)| [first, count])
-            .collect::<Vec<u32>>(),
-    );
+    out.rows(&bake.rows);
+    // A closed scene has no byte for the sky.
+    if let Some(sky) = &bake.sky {
+        out.rows(sky.rows());
+    }
     out.bytes
+}
+
+impl Writer {
+    fn rows(&mut self, rows: &Rows) {
+        let out = self;
+        out.list(&rows.near_offsets);
+        out.indices(&rows.near);
+        out.list(rows.near_weights.as_flattened());
+        out.list(rows.near_steps.as_flattened());
+        out.list(&rows.basis_offsets);
+        out.list(&rows.coarse);
+        out.indices(&rows.functions);
+        out.list(rows.coefficients.as_flattened());
+        out.list(rows.basis_steps.as_flattened());
+        out.list(
+            &rows
+                .receivers
+                .iter()
+                .flat_map(|&(first, count)| [first, count])
+                .collect::<Vec<u32>>(),
+        );
+    }
 }
 
 fn decode_payload(payload: &[u8]) -> Result<Bake, FileError> {
@@ -155,31 +166,22 @@ fn decode_payload(payload: &[u8]) -> Result<Bake, FileError> {
         ));
     }
 
-    let rows = Rows {
-        slot_count: basis.slot_count(),
-        function_count: basis.function_count(),
-        near_offsets: input.list()?,
-        near: input.indices()?,
-        near_weights: input.groups()?,
-        near_steps: input.groups()?,
-        basis_offsets: input.list()?,
-        coarse: input.list()?,
-        functions: input.indices()?,
-        coefficients: input.groups()?,
-        basis_steps: input.groups()?,
-        receivers: input
-            .list::<u32>()?
-            .chunks_exact(2)
-            .map(|pair| (pair[0], pair[1]))
-            .collect(),
+    let slot_count = basis.slot_count();
+    let rows = input.rows(slot_count, basis.function_count(), slot_count)?;
+    let sky = if input.rest.is_empty() {
+        None
+    } else {
+        let cells = super::sky::basis();
+        let rows = input.rows(cells.slot_count(), cells.function_count(), slot_count)?;
+        Some(Sky::new(cells, rows))
     };
-    rows.check().map_err(FileError::Inconsistent)?;
     if input.rest.is_empty() {
         Ok(Bake {
             backs,
             open_points,
             basis,
             rows,
+            sky,
             stats,
         })
     } else {
@@ -243,6 +245,35 @@ struct Reader<'a> {
 }
 
 impl Reader<'_> {
+    /// Rows of `slot_count` receivers that name so many senders and functions.
+    fn rows(
+        &mut self,
+        sender_count: usize,
+        function_count: usize,
+        slot_count: usize,
+    ) -> Result<Rows, FileError> {
+        let rows = Rows {
+            sender_count,
+            function_count,
+            near_offsets: self.list()?,
+            near: self.indices()?,
+            near_weights: self.groups()?,
+            near_steps: self.groups()?,
+            basis_offsets: self.list()?,
+            coarse: self.list()?,
+            functions: self.indices()?,
+            coefficients: self.groups()?,
+            basis_steps: self.groups()?,
+            receivers: self
+                .list::<u32>()?
+                .chunks_exact(2)
+                .map(|pair| (pair[0], pair[1]))
+                .collect(),
+        };
+        rows.check(slot_count).map_err(FileError::Inconsistent)?;
+        Ok(rows)
+    }
+
     fn list<T: Number>(&mut self) -> Result<Vec<T>, FileError> {
         let (length, rest) = self.rest.split_at_checked(8).ok_or(FileError::Damaged)?;
         let length =

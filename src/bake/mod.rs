@@ -21,6 +21,7 @@ mod inertia;
 mod key;
 mod laplacian;
 mod neighbours;
+mod operator;
 mod partition;
 mod prior;
 #[cfg(test)]
@@ -30,21 +31,23 @@ mod run;
 #[cfg(test)]
 mod sample_graphs;
 mod settings;
+mod sky;
 mod stats;
 mod subspace;
 mod transfer;
+mod window;
 
 use rayon::prelude::*;
 use thiserror::Error;
 
 use basis::{Basis, BasisError};
-use compress::{Budget, Compressor};
 use excitation::Excitation;
 use function_shares::functions_by_area;
 use neighbours::vertex_graph;
+use operator::sampled_rows;
 use partition::{PartitionSettings, partition};
-use rows::{GroupRows, Rows};
-use transfer::{GROUP, Sampling, sample_group};
+use rows::Rows;
+use sky::Sky;
 
 pub(crate) use cache::{CacheOutcome, load_or_bake};
 pub use run::{Progress, RunSettings, Silent};
@@ -54,9 +57,7 @@ pub use stats::BakeStats;
 use crate::simd::Level;
 use crate::surface::Surface;
 
-/// Groups that the threshold is chosen from, spread evenly over the scene.
-const PILOT_GROUPS: usize = 256;
-/// Groups of eight receivers that one task of [`Bake::apply`] takes.
+/// Groups of eight receivers that one task of [`apply_rows`] takes.
 const GROUPS_PER_TASK: usize = 32;
 /// The precomputed operator of a scene.
 #[derive(Debug, Clone, PartialEq)]
@@ -67,6 +68,8 @@ pub(crate) struct Bake {
     open_points: Vec<u8>,
     basis: Basis,
     rows: Rows,
+    /// Light from the sky; `None` in a scene that is closed.
+    sky: Option<Sky>,
     stats: BakeStats,
 }
 
@@ -95,12 +98,13 @@ impl Bake {
         let add = |brightness: &[f32]| sigma.add(&basis, run.level, brightness);
         let light_count = prior::for_each(surface, run, add).ok_or(BakeError::Cancelled)?;
         let sigma = sigma.sigma(light_count);
-        let (rows, stats) = compressed_rows(surface, settings, run, &basis, &sigma)?;
+        let (rows, sky, stats) = sampled_rows(surface, settings, run, &basis, &sigma)?;
         let mut bake = Self {
             backs,
             open_points,
             basis,
             rows,
+            sky,
             stats,
         };
         run.progress.stage("energy", 1);
@@ -112,18 +116,18 @@ impl Bake {
 
     /// E = T~ B, irradiance from radiosity, both in slots, W/m2.
     pub(crate) fn apply(&self, level: Level, radiosity: &[[f32; 3]]) -> Vec<[f32; 3]> {
-        let light = self.basis.project_rgb(level, radiosity);
-        let groups: Vec<_> = (0..self.rows.group_count())
-            .into_par_iter()
-            .with_min_len(GROUPS_PER_TASK)
-            .map(|group| self.rows.gather(level, group, radiosity, &light))
-            .collect();
-        let mut irradiance = Vec::with_capacity(radiosity.len());
-        for (group, sums) in groups.iter().enumerate() {
-            let (_, count) = self.rows.receivers(group);
-            irradiance.extend((0..count).map(|lane| [sums[0][lane], sums[1][lane], sums[2][lane]]));
-        }
-        irradiance
+        apply_rows(level, &self.basis, &self.rows, radiosity)
+    }
+
+    /// Irradiance of the sky in slots, W/m2, from H_m of every cell (pi x its
+    /// mean radiance); `None` in a closed scene, which sees none.
+    pub(crate) fn sky_irradiance(&self, level: Level, cells: &[[f32; 3]]) -> Option<Vec<[f32; 3]>> {
+        self.sky.as_ref().map(|sky| sky.apply(level, cells))
+    }
+
+    /// Bytes of the sky's rows; 0 in a closed scene.
+    pub(crate) fn sky_bytes(&self) -> usize {
+        self.sky.as_ref().map_or(0, |sky| sky.rows().bytes())
     }
 
     /// Which front vertices have a back side.
@@ -150,6 +154,22 @@ impl Bake {
     pub(crate) fn stats(&self) -> &BakeStats {
         &self.stats
     }
+}
+
+/// Rows times a value a sender: what arrives at every receiver, in slots.
+fn apply_rows(level: Level, basis: &Basis, rows: &Rows, senders: &[[f32; 3]]) -> Vec<[f32; 3]> {
+    let light = basis.project_rgb(level, senders);
+    let groups: Vec<_> = (0..rows.group_count())
+        .into_par_iter()
+        .with_min_len(GROUPS_PER_TASK)
+        .map(|group| rows.gather(level, group, senders, &light))
+        .collect();
+    let mut irradiance = Vec::new();
+    for (group, sums) in groups.iter().enumerate() {
+        let (_, count) = rows.receivers(group);
+        irradiance.extend((0..count).map(|lane| [sums[0][lane], sums[1][lane], sums[2][lane]]));
+    }
+    irradiance
 }
 
 /// Partitions the vertices and finds each partition's lowest eigenvectors.
@@ -194,116 +214,6 @@ fn spectral_basis(
             BakeError::Basis(format!("partition {part}: {source}"))
         }
     })
-}
-
-/// Samples and compresses all rows.
-fn compressed_rows(
-    surface: &Surface,
-    settings: &BakeSettings,
-    run: &RunSettings,
-    basis: &Basis,
-    sigma: &[f32],
-) -> Result<(Rows, BakeStats), BakeError> {
-    let constant = basis.constant(run.level);
-    let budget = Budget::of(settings.coefficients);
-    let compressor = Compressor {
-        basis,
-        sigma,
-        constant: &constant,
-        budget,
-    };
-    let sampling = Sampling {
-        surface,
-        level: run.level,
-        slot_of_vertex: basis.slot_of_vertex(),
-        rays: settings.rays,
-    };
-    let groups = receiver_groups(basis);
-    let threshold = pilot_threshold(&sampling, &compressor, &groups);
-
-    if run.progress.cancelled() {
-        return Err(BakeError::Cancelled);
-    }
-    run.progress.stage("transfer", groups.len() as u64);
-    let sampled: Vec<(GroupRows, stats::GroupStats)> = groups
-        .par_iter()
-        .map_init(
-            || {
-                (
-                    transfer::Scratch::new(basis.slot_count()),
-                    compress::Scratch::new(basis),
-                )
-            },
-            |(sample, compress), &group| {
-                if run.progress.cancelled() {
-                    return Err(BakeError::Cancelled);
-                }
-                let transfer = sample_group(&sampling, vertices_of(basis, group), sample);
-                let rows = compressor.compress(&transfer, threshold, compress);
-                run.progress.advance(1);
-                Ok((rows, stats::GroupStats::of(&transfer, group.1 as usize)))
-            },
-        )
-        .collect::<Result<_, _>>()?;
-    let (rows, group_stats): (Vec<GroupRows>, Vec<stats::GroupStats>) = sampled.into_iter().unzip();
-    let rows = Rows::join(basis.slot_count(), basis.function_count(), groups, &rows);
-    rows.check()
-        .expect("rows that were just made fit each other");
-    Ok((rows, BakeStats::of(&group_stats, settings, threshold)))
-}
-
-/// Runs of up to eight slots of one partition: (first slot, count).
-fn receiver_groups(basis: &Basis) -> Vec<(u32, u32)> {
-    let mut groups = Vec::new();
-    for part in 0..basis.part_count() as u32 {
-        let slots = basis.slot_range(part);
-        for first in slots.clone().step_by(GROUP) {
-            groups.push((first as u32, (slots.end - first).min(GROUP) as u32));
-        }
-    }
-    groups
-}
-
-/// Vertices of a run of slots.
-fn vertices_of(basis: &Basis, (first, count): (u32, u32)) -> &[u32] {
-    &basis.vertex_of_slot()[first as usize..(first + count) as usize]
-}
-
-/// The score below which a function is dropped from a group, so that pilot
-/// groups keep the budget in the mean.
-fn pilot_threshold(sampling: &Sampling, compressor: &Compressor, groups: &[(u32, u32)]) -> f32 {
-    let stride = groups.len().div_ceil(PILOT_GROUPS).max(1);
-    let pilots: Vec<(u32, u32)> = groups
-        .iter()
-        .copied()
-        .skip(stride / 2)
-        .step_by(stride)
-        .collect();
-    let basis = compressor.basis;
-    let mut scores: Vec<f32> = pilots
-        .par_iter()
-        .map_init(
-            || {
-                (
-                    transfer::Scratch::new(basis.slot_count()),
-                    compress::Scratch::new(basis),
-                )
-            },
-            |(sample, compress), &group| {
-                compressor.scores(
-                    &sample_group(sampling, vertices_of(basis, group), sample),
-                    compress,
-                )
-            },
-        )
-        .flatten_iter()
-        .collect();
-    let budget = compressor.budget.basis * pilots.len();
-    if scores.len() <= budget || budget == 0 {
-        return 0.0;
-    }
-    let (_, threshold, _) = scores.select_nth_unstable_by(budget - 1, |a, b| b.total_cmp(a));
-    *threshold
 }
 
 /// The whole bake of a surface without a cache: back sides, then the operator.

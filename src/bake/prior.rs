@@ -116,6 +116,7 @@ pub(super) fn for_each(
     mut take: impl FnMut(&[f32]),
 ) -> Option<usize> {
     let mut count = 0;
+    let shadows = direct::Shadows::of_surface(surface, run.level);
     let lights = lights(surface, run.level);
     run.progress.stage("prior lights", lights.len() as u64);
     for light in lights {
@@ -123,7 +124,7 @@ pub(super) fn for_each(
             return None;
         }
         run.progress.advance(1);
-        let irradiance = direct::at_vertices_by_one_point(surface, run.level, &light);
+        let irradiance = direct::at_vertices_by_one_point(&shadows, &light);
         let mut brightness: Vec<f32> = irradiance.iter().map(|e| e.x).collect();
         let squares: f64 = brightness
             .iter()

@@ -1,6 +1,8 @@
 //! Constant light through the whole bake: basis, sampled rows, and rows as
 //! they are stored.
 
+use super::operator::{receiver_groups, vertices_of};
+use super::transfer::{GROUP, Sampling, sample_group};
 use super::*;
 use crate::scene::Scene;
 use crate::scene::sample_scenes::{hollow_sphere, room_with_blocks, separate_boxes};

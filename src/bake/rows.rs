@@ -80,7 +80,8 @@ impl Indices {
 /// is made, in memory or from a file.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Rows {
-    pub(super) slot_count: usize,
+    /// Senders that the near field may name: slots, or cells of the sky.
+    pub(super) sender_count: usize,
     pub(super) function_count: usize,
     /// Entries before each group; one more than there are groups.
     pub(super) near_offsets: Vec<u32>,
@@ -99,16 +100,16 @@ pub(crate) struct Rows {
 impl Rows {
     /// Joins groups in their order; `receivers` names the slots of each.
     pub(super) fn join(
-        slot_count: usize,
+        sender_count: usize,
         function_count: usize,
         receivers: Vec<(u32, u32)>,
         groups: &[GroupRows],
     ) -> Self {
         let mut rows = Self {
-            slot_count,
+            sender_count,
             function_count,
             near_offsets: vec![0],
-            near: Indices::for_table(slot_count),
+            near: Indices::for_table(sender_count),
             near_weights: Vec::new(),
             near_steps: Vec::new(),
             basis_offsets: vec![0],
@@ -133,8 +134,9 @@ impl Rows {
     }
 
     /// Whether every list fits the others and every index its table, so that
-    /// the kernels never leave a table. Says what does not.
-    pub(super) fn check(&self) -> Result<(), &'static str> {
+    /// the kernels never leave a table, and whether the receivers are all of
+    /// `slot_count` slots. Says what does not.
+    pub(super) fn check(&self, slot_count: usize) -> Result<(), &'static str> {
         let groups = self.receivers.len();
         let offsets_fit = |offsets: &[u32], len: usize| {
             offsets.len() == groups + 1
@@ -163,7 +165,7 @@ impl Rows {
         if self
             .near
             .largest()
-            .is_some_and(|i| i as usize >= self.slot_count)
+            .is_some_and(|i| i as usize >= self.sender_count)
             || self
                 .functions
                 .largest()
@@ -183,7 +185,7 @@ impl Rows {
             }
             next += count;
         }
-        if next as usize == self.slot_count {
+        if next as usize == slot_count {
             Ok(())
         } else {
             Err("receivers that do not cover the vertices")
@@ -266,7 +268,8 @@ impl Rows {
                 (near + basis) as usize * self.receivers[g].1 as usize
             })
             .sum();
-        entries as f64 / self.slot_count.max(1) as f64
+        let receivers: u32 = self.receivers.iter().map(|&(_, count)| count).sum();
+        entries as f64 / f64::from(receivers.max(1))
     }
 }
 

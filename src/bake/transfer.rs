@@ -6,6 +6,8 @@
 //! corners. Rows sum to at most 1 by construction, corners and contacts need no
 //! special case, and nothing divides by a squared distance.
 
+use super::window::{Escape, aimed_shares, needs_aim};
+use crate::maths::cube_cells::{CELL_COUNT, cell_of};
 use crate::maths::sampling::{cosine_direction, mirrored_above};
 use crate::maths::sobol::ScrambledSobol;
 use crate::simd::Level;
@@ -25,6 +27,9 @@ pub(crate) struct GroupTransfer {
     pub(crate) arrived: [f64; GROUP],
     /// Share of the receiver's rays that escaped.
     pub(crate) escaped: [f64; GROUP],
+    /// X_im: (cell of the sky, share of the rays that escape into it per
+    /// receiver), ascending by cell.
+    pub(crate) sky: Vec<(u32, [f32; GROUP])>,
 }
 
 /// What sampling needs to know.
@@ -38,16 +43,35 @@ pub(crate) struct Sampling<'a> {
     pub(crate) rays: u32,
 }
 
-/// One worker's memory: a dense row per lane, linear in the vertices.
+/// One worker's memory: a dense row per lane, linear in the vertices, and one
+/// over the cells of the sky.
 pub(crate) struct Scratch {
-    dense: Vec<[f32; GROUP]>,
-    touched: Vec<u32>,
+    senders: Dense,
+    cells: Dense,
+    /// Rays of the row in work that escaped.
+    escapes: Vec<Escape>,
 }
 
 impl Scratch {
     pub(crate) fn new(vertex_count: usize) -> Self {
         Self {
-            dense: vec![[0.0; GROUP]; vertex_count],
+            senders: Dense::new(vertex_count),
+            cells: Dense::new(CELL_COUNT),
+            escapes: Vec::new(),
+        }
+    }
+}
+
+/// Dense rows of a group, a lane each, that remember where they are not empty.
+struct Dense {
+    dense: Vec<[f32; GROUP]>,
+    touched: Vec<u32>,
+}
+
+impl Dense {
+    fn new(length: usize) -> Self {
+        Self {
+            dense: vec![[0.0; GROUP]; length],
             touched: Vec::new(),
         }
     }
@@ -90,7 +114,9 @@ pub(crate) fn sample_group(
     for (lane, &vertex) in receivers.iter().enumerate() {
         counts[lane] = sample_row(sampling, vertex, lane, scratch);
     }
-    let entries = scratch.drain(&counts.map(|count| 1.0 / count.in_the_open(sampling.rays) as f32));
+    let scales = counts.map(|count| 1.0 / count.in_the_open(sampling.rays) as f32);
+    let entries = scratch.senders.drain(&scales);
+    let sky = scratch.cells.drain(&scales);
     let mut arrived = [0.0; GROUP];
     for (_, weights) in &entries {
         for lane in 0..GROUP {
@@ -103,6 +129,7 @@ pub(crate) fn sample_group(
         entries,
         arrived,
         escaped: counts.map(share),
+        sky,
     }
 }
 
@@ -129,6 +156,7 @@ fn sample_row(sampling: &Sampling, vertex: u32, lane: usize, scratch: &mut Scrat
     let surface = sampling.surface;
     let points = ScrambledSobol::new(SEED, vertex);
     let mut counts = RayCounts::default();
+    scratch.escapes.clear();
     for index in 0..sampling.rays {
         let u = points.point(index);
         let from = surface.sample_point(vertex as usize, [u[0], u[1]]);
@@ -138,6 +166,7 @@ fn sample_row(sampling: &Sampling, vertex: u32, lane: usize, scratch: &mut Scrat
         );
         let Some(hit) = surface.arrival(sampling.level, &from, direction) else {
             counts.escaped += 1;
+            scratch.escapes.push((index, cell_of(direction) as u16));
             continue;
         };
         let corners = surface.vertices.of_triangle(hit.triangle, hit.front);
@@ -147,9 +176,32 @@ fn sample_row(sampling: &Sampling, vertex: u32, lane: usize, scratch: &mut Scrat
         }
         for (corner, weight) in corners.into_iter().zip(hit.barycentrics) {
             if corner != NONE && weight > 0.0 {
-                scratch.add(sampling.slot_of_vertex[corner as usize], lane, weight);
+                let slot = sampling.slot_of_vertex[corner as usize];
+                scratch.senders.add(slot, lane, weight);
             }
         }
     }
+    add_sky(sampling, vertex, lane, counts, scratch);
     counts
+}
+
+/// Adds the rays that escaped to the cells of the sky, or what aimed rays say of
+/// them where they are few.
+fn add_sky(
+    sampling: &Sampling,
+    vertex: u32,
+    lane: usize,
+    counts: RayCounts,
+    scratch: &mut Scratch,
+) {
+    let share = f64::from(counts.escaped) / f64::from(counts.in_the_open(sampling.rays));
+    if needs_aim(sampling, &scratch.escapes, share) {
+        for (cell, share) in aimed_shares(sampling, vertex, &scratch.escapes) {
+            scratch.cells.add(cell, lane, share * sampling.rays as f32);
+        }
+    } else {
+        for &(_, cell) in &scratch.escapes {
+            scratch.cells.add(u32::from(cell), lane, 1.0);
+        }
+    }
 }

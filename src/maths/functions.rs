@@ -4,13 +4,11 @@
 //! the standard library).
 
 /// Sine of `x` radians.
-#[cfg(test)]
 pub(crate) fn sin(x: f64) -> f64 {
     libm::sin(x)
 }
 
 /// Cosine of `x` radians.
-#[cfg(test)]
 pub(crate) fn cos(x: f64) -> f64 {
     libm::cos(x)
 }
@@ -59,4 +57,10 @@ pub(crate) fn cos_f32(x: f32) -> f32 {
 /// Arc cosine in single precision, radians; the argument is clamped to -1..1.
 pub(crate) fn acos_f32(x: f32) -> f32 {
     libm::acosf(x.clamp(-1.0, 1.0))
+}
+
+/// Angle of the point (`x`, `y`) from the x axis in single precision, radians,
+/// -pi to pi.
+pub(crate) fn atan2_f32(y: f32, x: f32) -> f32 {
+    libm::atan2f(y, x)
 }

@@ -30,6 +30,16 @@ pub(crate) fn cosine_direction(normal: Vec3, u: [f32; 2]) -> Vec3 {
     t * (radius * cos_f32(angle)) + b * (radius * sin_f32(angle)) + normal * height
 }
 
+/// Direction uniform over the cone of directions about a unit axis whose angle
+/// has a cosine of at least `cos_radius`, from two uniforms.
+pub(crate) fn cone_direction(axis: Vec3, cos_radius: f32, u: [f32; 2]) -> Vec3 {
+    let height = 1.0 - u[0] * (1.0 - cos_radius);
+    let radius = (1.0 - height * height).max(0.0).sqrt();
+    let angle = std::f32::consts::TAU * u[1];
+    let (t, b) = tangents(axis);
+    t * (radius * cos_f32(angle)) + b * (radius * sin_f32(angle)) + axis * height
+}
+
 /// Direction uniform over the sphere, from two uniforms.
 pub(crate) fn sphere_direction(u: [f32; 2]) -> Vec3 {
     let z = 1.0 - 2.0 * u[0];

@@ -6,6 +6,8 @@
 //! lights or rays passes between them, which is why a test compares with an
 //! independent renderer as well.
 
+mod lights;
+
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -14,10 +16,12 @@ use crate::frame::Image;
 use crate::maths::hash::{hash3, uniform};
 use crate::maths::sampling::{cosine_direction, mirrored_above};
 use crate::maths::sobol::ScrambledSobol;
-use crate::scene::{Bounces, Camera, PlacedCamera, PlacedLight, Scene, max_component};
+use crate::scene::{Bounces, Camera, PlacedCamera, Scene, max_component};
 use crate::simd::Level;
-use crate::surface::direct::irradiance;
+use crate::surface::maps::mean_around;
 use crate::surface::{Detail, Ray, Surface, SurfacePoint};
+use crate::texture::TextureMap;
+use lights::{Drawn, Lights};
 
 /// Points of one pixel that one scrambled set covers.
 const POINTS_PER_SET: u32 = 1 << 15;
@@ -57,12 +61,8 @@ pub struct Reference {
 pub fn trace(scene: &Scene, settings: &ReferenceSettings, run: &RunSettings) -> Option<Reference> {
     let surface = Surface::fronts(scene, &Detail::of_keys(&scene.bake));
     let tracer = Tracer {
-        lights: scene
-            .lights
-            .iter()
-            .filter_map(|light| light.place(&surface.placement))
-            .collect(),
-        albedo: scene.materials.iter().map(|m| m.albedo).collect(),
+        lights: Lights::of(scene, &surface),
+        scene,
         camera: settings.camera.place(&surface.placement),
         surface: &surface,
         level: run.level,
@@ -100,8 +100,8 @@ fn joined(width: u32, height: u32, halves: &[[Vec3; 2]]) -> Reference {
 struct Tracer<'a> {
     surface: &'a Surface,
     level: Level,
-    lights: Vec<PlacedLight>,
-    albedo: Vec<Vec3>,
+    lights: Lights<'a>,
+    scene: &'a Scene,
     camera: PlacedCamera,
     settings: &'a ReferenceSettings,
 }
@@ -110,6 +110,8 @@ struct Tracer<'a> {
 struct Vertex {
     point: SurfacePoint,
     albedo: Vec3,
+    /// Radiance that the side emits, W/(m2 sr).
+    emission: Vec3,
 }
 
 impl Tracer<'_> {
@@ -138,25 +140,47 @@ impl Tracer<'_> {
     /// Radiance along one path through pixel coordinates (x, y). `first` are
     /// the uniforms of the first bounce, `path` seeds the others.
     fn radiance(&self, x: f64, y: f64, first: [f32; 2], path: u32) -> Vec3 {
-        let eye = self.camera.eye.as_vec3();
         let mut direction = self.camera.direction(x, y);
-        let mut origin = eye;
+        let mut origin = self.camera.eye.as_vec3();
         let mut throughput = Vec3::ONE;
         let mut radiance = Vec3::ZERO;
         let longest = match self.settings.bounces {
             Bounces::Count(count) => count,
             Bounces::All => LONGEST,
         };
-        for bounce in 0..=longest {
-            let Some(vertex) = self.arrive(origin, direction) else {
+        // Light at the first vertex is direct light.
+        let counts = |bounce: u32| bounce > 0 || self.settings.direct;
+        // How the last direction was drawn; not at all from the eye.
+        let mut drawn: Option<Drawn> = None;
+        for bounce in 0..=longest + 1 {
+            let (vertex, distance) = self.arrive(origin, direction);
+            if bounce == 0
+                && let Some(lamp) = self.lights.rectangle_seen(origin, direction, distance)
+            {
+                return if counts(0) { lamp } else { Vec3::ZERO };
+            }
+            let Some(vertex) = vertex else {
+                // What a direction meets belongs to the vertex that it left.
+                if counts(bounce.saturating_sub(1)) {
+                    radiance += throughput * self.lights.sky_seen(direction, drawn.as_ref());
+                }
                 break;
             };
+            if bounce > longest {
+                break;
+            }
+            if bounce == 0 && counts(0) {
+                radiance += vertex.emission;
+            }
             throughput *= vertex.albedo;
-            if bounce > 0 || self.settings.direct {
-                let direct = self.lights.iter().fold(Vec3::ZERO, |sum, light| {
-                    sum + irradiance(self.surface, self.level, light, &vertex.point)
-                });
+            if counts(bounce) {
+                let direct =
+                    self.lights
+                        .irradiance(self.level, &vertex.point, hash3(path, bounce, 7));
                 radiance += throughput * direct * std::f32::consts::FRAC_1_PI;
+            }
+            if bounce == longest && !self.lights.has_sky() {
+                break;
             }
             let u = if bounce == 0 {
                 first
@@ -173,6 +197,7 @@ impl Tracer<'_> {
                 vertex.point.flat_normal,
                 direction,
             );
+            drawn = Some(Drawn::of(&vertex.point, direction));
         }
         radiance
     }
@@ -190,24 +215,51 @@ impl Tracer<'_> {
         true
     }
 
-    fn arrive(&self, origin: Vec3, direction: Vec3) -> Option<Vertex> {
-        let hit = self.surface.rays.closest(
-            self.level,
-            &Ray {
-                origin,
-                direction,
-                t_max: f32::INFINITY,
-            },
-        )?;
+    /// What a ray meets, and how far away.
+    fn arrive(&self, origin: Vec3, direction: Vec3) -> (Option<Vertex>, f32) {
+        let ray = Ray {
+            origin,
+            direction,
+            t_max: f32::INFINITY,
+        };
+        let Some(hit) = self.surface.rays.closest(self.level, &ray) else {
+            return (None, f32::INFINITY);
+        };
         let triangle = &self.surface.mesh.triangles[hit.triangle as usize];
         let front = triangle.flat_normal.dot(direction) < 0.0;
         let mut point = self.surface.point(hit.triangle, hit.barycentrics, front);
         if point.normal.dot(direction) > 0.0 {
             point.normal = -point.normal;
         }
-        Some(Vertex {
+        let site = (hit.triangle, hit.barycentrics);
+        let vertex = Vertex {
             point,
-            albedo: self.albedo[triangle.material as usize],
-        })
+            albedo: self.albedo(site),
+            emission: if front {
+                self.lights.emission(site)
+            } else {
+                Vec3::ZERO
+            },
+        };
+        (Some(vertex), hit.t)
     }
+
+    fn albedo(&self, site: (u32, [f32; 3])) -> Vec3 {
+        let material = self.surface.mesh.triangles[site.0 as usize].material;
+        let material = &self.scene.materials[material as usize];
+        let map = material.albedo_map.as_ref();
+        material.albedo * colour_at(self.scene, self.surface, map, site)
+    }
+}
+
+/// Colour of a map at a point, white without one.
+fn colour_at(
+    scene: &Scene,
+    surface: &Surface,
+    map: Option<&TextureMap>,
+    site: (u32, [f32; 3]),
+) -> Vec3 {
+    let point_alone = [Vec3::ZERO; 2];
+    map.and_then(|map| mean_around(&surface.mesh, map, scene.texture_filter, site, point_alone))
+        .unwrap_or(Vec3::ONE)
 }

@@ -24,7 +24,7 @@ use glam::{DVec3, Vec3};
 use super::bounces::Transport;
 use super::kept::KeptDirect;
 use crate::bake::{Bake, BakeSettings, RunSettings, load_or_bake};
-use crate::scene::{Bounces, Light, Scene};
+use crate::scene::{Bounces, Light, PlacedLights, Scene};
 use crate::simd::Level;
 use crate::surface::{Detail, Surface};
 
@@ -76,8 +76,7 @@ impl Baked {
 
     /// Direct irradiance at the vertices.
     fn direct(&self, lights: &[Light]) -> Vec<Vec3> {
-        let placement = &self.surface.placement;
-        let placed: Vec<_> = lights.iter().filter_map(|l| l.place(placement)).collect();
+        let placed = PlacedLights::of_file(lights, &self.surface.placement);
         let mut kept = KeptDirect::default();
         kept.update(&self.surface, Level::detect(), &placed);
         kept.sum(self.vertex_count())

@@ -34,12 +34,14 @@ pub const COMPONENTS: [(&str, Component); 7] = [
 ];
 
 /// What shading knows of one piece of surface in a pixel.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Shaded {
     /// Direct irradiance, W/m2.
     pub(super) direct: Vec3,
     /// Indirect irradiance, W/m2, not negative.
     pub(super) indirect: Vec3,
+    /// Emitted radiance, W/(m2 sr).
+    pub(super) emission: Vec3,
     pub(super) albedo: Vec3,
     /// Unit shading normal.
     pub(super) normal: Vec3,
@@ -47,12 +49,13 @@ pub(super) struct Shaded {
     pub(super) depth: f32,
 }
 
-/// The value of a component; radiance is irradiance x albedo / pi.
+/// The value of a component; radiance is irradiance x albedo / pi, and what is
+/// emitted counts as direct light.
 pub(super) fn shown(component: Component, s: &Shaded) -> Vec3 {
     let reflected = s.albedo * std::f32::consts::FRAC_1_PI;
     match component {
-        Component::Global => reflected * s.direct + reflected * s.indirect,
-        Component::Direct => reflected * s.direct,
+        Component::Global => s.emission + reflected * s.direct + reflected * s.indirect,
+        Component::Direct => s.emission + reflected * s.direct,
         Component::Indirect => reflected * s.indirect,
         Component::Irradiance => s.direct + s.indirect,
         Component::Albedo => s.albedo,
@@ -65,6 +68,11 @@ impl Component {
     /// Whether it is light, which exposure and tone curve apply to.
     pub fn is_light(self) -> bool {
         !matches!(self, Self::Albedo | Self::Normal | Self::Depth)
+    }
+
+    /// Whether it shows what emits light.
+    pub(super) fn shows_emission(self) -> bool {
+        matches!(self, Self::Global | Self::Direct)
     }
 
     /// Whether it needs direct light at pixels.

@@ -2,9 +2,12 @@
 
 use glam::Vec3;
 
-use crate::scene::PlacedLight;
+use crate::bake::Bake;
+use crate::maths::cube_cells::CELL_COUNT;
+use crate::scene::{PlacedEnvironment, PlacedLight, PlacedLights, PlacedRectangle};
 use crate::simd::Level;
-use crate::surface::{Surface, direct};
+use crate::surface::Surface;
+use crate::surface::direct::{self, Shadows};
 
 /// Each light's direct irradiance at the vertices. A light that did not change
 /// is not computed again; the sum is always formed anew in the lights' order,
@@ -12,6 +15,10 @@ use crate::surface::{Surface, direct};
 #[derive(Debug, Default)]
 pub(crate) struct KeptDirect {
     lights: Vec<(PlacedLight, Vec<Vec3>)>,
+    /// The rectangles that were in the way.
+    rectangles: Vec<PlacedRectangle>,
+    /// Skies and what they do.
+    sky: Option<(Vec<PlacedEnvironment>, Vec<Vec3>)>,
 }
 
 impl KeptDirect {
@@ -20,17 +27,27 @@ impl KeptDirect {
         &mut self,
         surface: &Surface,
         level: Level,
-        lights: &[PlacedLight],
+        lights: &PlacedLights,
     ) -> usize {
+        let shadows = Shadows {
+            surface,
+            level,
+            rectangles: &lights.rectangles,
+        };
         let mut old = std::mem::take(&mut self.lights);
+        if self.rectangles != lights.rectangles {
+            // A rectangle that moved may have been, or now be, in any light's way.
+            old.clear();
+            self.rectangles.clone_from(&lights.rectangles);
+        }
         let mut computed = 0;
-        for light in lights {
+        for light in &lights.sources {
             let same = old.iter().position(|(kept, _)| kept == light);
             let entry = match same {
                 Some(position) => old.swap_remove(position),
                 None => {
                     computed += 1;
-                    (*light, direct::at_vertices(surface, level, light))
+                    (light.clone(), direct::at_vertices(&shadows, light))
                 }
             };
             self.lights.push(entry);
@@ -38,14 +55,56 @@ impl KeptDirect {
         computed
     }
 
-    /// Sum of all lights at every vertex, W/m2, in the lights' order from zero.
+    /// Irradiance of the skies at every vertex, W/m2; empty without a sky or in
+    /// a closed scene.
+    pub(crate) fn sky(
+        &mut self,
+        bake: &Bake,
+        level: Level,
+        skies: &[PlacedEnvironment],
+    ) -> &[Vec3] {
+        let is_kept = self.sky.as_ref().is_some_and(|(kept, _)| kept == skies);
+        if !is_kept {
+            self.sky = Some((skies.to_vec(), sky_irradiance(bake, level, skies)));
+        }
+        self.sky.as_ref().map_or(&[], |(_, irradiance)| irradiance)
+    }
+
+    /// Sum of all lights at every vertex, W/m2, in the lights' order from zero,
+    /// then the sky.
     pub(crate) fn sum(&self, vertex_count: usize) -> Vec<Vec3> {
         let mut sum = vec![Vec3::ZERO; vertex_count];
-        for (_, irradiance) in &self.lights {
+        let skies = self.sky.iter().map(|(_, irradiance)| irradiance);
+        for irradiance in self.lights.iter().map(|(_, e)| e).chain(skies) {
             sum.iter_mut()
                 .zip(irradiance)
                 .for_each(|(total, e)| *total += *e);
         }
         sum
     }
+}
+
+/// What the skies do to the vertices, by the cells of the sky; no entry where
+/// they do nothing.
+fn sky_irradiance(bake: &Bake, level: Level, skies: &[PlacedEnvironment]) -> Vec<Vec3> {
+    let mut cells = vec![[0.0_f32; 3]; CELL_COUNT];
+    for sky in skies {
+        for (sum, cell) in cells.iter_mut().zip(sky.cells()) {
+            for channel in 0..3 {
+                sum[channel] += cell[channel];
+            }
+        }
+    }
+    if cells.iter().all(|cell| *cell == [0.0; 3]) {
+        return Vec::new();
+    }
+    let Some(in_slots) = bake.sky_irradiance(level, &cells) else {
+        return Vec::new();
+    };
+    let mut at_vertices = vec![Vec3::ZERO; in_slots.len()];
+    for (&vertex, &e) in bake.basis().vertex_of_slot().iter().zip(&in_slots) {
+        // A basis rings; light is not negative.
+        at_vertices[vertex as usize] = Vec3::from_array(e.map(|e| if e > 0.0 { e } else { 0.0 }));
+    }
+    at_vertices
 }

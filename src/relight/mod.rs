@@ -9,8 +9,11 @@
 mod bounces;
 #[cfg(test)]
 mod closed_forms;
+mod colours;
 mod component;
+mod geometry;
 mod kept;
+mod paint;
 mod raster;
 mod reach;
 mod renderer;

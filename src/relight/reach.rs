@@ -8,8 +8,10 @@ use super::raster::{CenterBuffer, Fragment};
 use super::shade::View;
 use crate::scene::PlacedLight;
 use crate::surface::SurfacePoint;
-use crate::surface::direct::{hidden, unoccluded};
+use crate::surface::direct::{Found, LightPoints};
 
+/// Seed of the points of lights, seen from pixels' centres.
+const LIGHT_SEED: u32 = 0x9e11;
 /// Pixels that one task takes.
 const PIXELS_PER_TASK: usize = 512;
 
@@ -20,6 +22,8 @@ pub(super) enum Reach {
     Away,
     Lit,
     Shadowed,
+    /// Partly hidden: in the penumbra of a light that is no point.
+    Partly,
 }
 
 /// The point that each pixel's centre shows.
@@ -35,10 +39,11 @@ pub(super) fn seen_points(view: &View, centers: &CenterBuffer) -> SeenPoints {
         .collect()
 }
 
-/// The point that a fragment shows, with normals on the viewer's side: of the
-/// shading normal, so that a light on its other side gives nothing.
+/// The point of the surface that a fragment shows, with normals on the viewer's
+/// side: of the shading normal, so that a light on its other side gives nothing.
 pub(super) fn seen_point(view: &View, fragment: &Fragment) -> Option<SurfacePoint> {
-    if !fragment.is_covered() {
+    // Behind the mesh in the list come the rectangles of lights, and NONE.
+    if fragment.triangle as usize >= view.surface.mesh.triangles.len() {
         return None;
     }
     let mut point = view
@@ -53,29 +58,32 @@ pub(super) fn seen_point(view: &View, fragment: &Fragment) -> Option<SurfacePoin
 
 /// A light's reach at every pixel's centre.
 pub(super) fn trace(view: &View, light: &PlacedLight, points: &SeenPoints) -> Vec<Reach> {
-    let reach = |point: &Option<SurfacePoint>| {
+    let shadows = view.shadows();
+    let reach = |(pixel, point): (usize, &Option<SurfacePoint>)| {
         let Some(point) = point else {
             return Reach::Away;
         };
-        let sample = light.sample(point.position);
-        if unoccluded(&sample, point) == Vec3::ZERO {
-            Reach::Away
-        } else if hidden(view.surface, view.level, &sample, point) {
-            Reach::Shadowed
-        } else {
-            Reach::Lit
+        let to_light = LightPoints::of(LIGHT_SEED, pixel as u32, 0, view.light_samples);
+        let mut found = Found::default();
+        shadows.find(light, point, to_light, &mut found);
+        match (found.is_lit, found.is_shadowed) {
+            (false, false) => Reach::Away,
+            (true, false) => Reach::Lit,
+            (false, true) => Reach::Shadowed,
+            (true, true) => Reach::Partly,
         }
     };
     points
         .par_iter()
         .with_min_len(PIXELS_PER_TASK)
+        .enumerate()
         .map(reach)
         .collect()
 }
 
-/// The pixels where a light takes a shadow ray a sample: it is lit or shadowed
-/// otherwise than one of its eight neighbours, or an edge of the light itself
-/// runs between them.
+/// The pixels where a light takes shadow rays at every sample: it is lit or
+/// shadowed otherwise than one of its eight neighbours, lies in a penumbra, or an
+/// edge of the light itself runs between them.
 pub(super) fn mixed(
     view: &View,
     light: &PlacedLight,
@@ -84,12 +92,13 @@ pub(super) fn mixed(
 ) -> Vec<bool> {
     let (width, height) = (view.camera.width as usize, view.camera.height as usize);
     let shadow_edge = |pixel: usize| {
-        let opposite = match reach[pixel] {
+        let differs: fn(&Reach) -> bool = match reach[pixel] {
             Reach::Away => return false,
-            Reach::Lit => Reach::Shadowed,
-            Reach::Shadowed => Reach::Lit,
+            Reach::Partly => return true,
+            Reach::Lit => |other| matches!(other, Reach::Shadowed | Reach::Partly),
+            Reach::Shadowed => |other| matches!(other, Reach::Lit | Reach::Partly),
         };
-        neighbourhood(pixel, width, height).any(|row| reach[row].contains(&opposite))
+        neighbourhood(pixel, width, height).any(|row| reach[row].iter().any(differs))
     };
     let own_edge = |pixel: usize| {
         let crosses = |other: &Option<SurfacePoint>| match (&points[pixel], other) {

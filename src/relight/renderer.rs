@@ -6,6 +6,7 @@ use glam::Vec3;
 use thiserror::Error;
 
 use super::bounces::{BounceError, Transport};
+use super::colours::VertexColours;
 use super::component::Component;
 use super::kept::KeptDirect;
 use super::shade::{View, draw};
@@ -14,7 +15,7 @@ use crate::bake::{
     Bake, BakeError, BakeSettings, BakeStats, CacheOutcome, RunSettings, load_or_bake,
 };
 use crate::frame::{Development, EncodedImage, Image};
-use crate::scene::{Bounces, Camera, PlacedLight, Scene, Tone};
+use crate::scene::{Bounces, Camera, PlacedLights, Scene, Tone};
 use crate::surface::{Detail, Surface};
 
 /// Why there is no frame.
@@ -38,6 +39,8 @@ pub struct FrameSettings {
     pub camera: Camera,
     /// Indirect bounces after the direct light.
     pub bounces: Bounces,
+    /// Shadow rays a pixel to a light that is no point.
+    pub light_samples: u32,
     /// What is shown.
     pub component: Component,
 }
@@ -48,12 +51,18 @@ impl FrameSettings {
         Self {
             camera: scene.camera,
             bounces: scene.render.bounces,
+            light_samples: scene.render.light_samples,
             component: Component::Global,
         }
     }
 
-    fn needs_bake(&self) -> bool {
+    fn needs_bounces(&self) -> bool {
         self.component.needs_indirect() && self.bounces != Bounces::Count(0)
+    }
+
+    /// The sky's direct light comes from the bake too.
+    fn needs_sky(&self, lights: &PlacedLights) -> bool {
+        self.component.needs_direct() && !lights.skies.is_empty()
     }
 }
 
@@ -157,6 +166,7 @@ pub struct Renderer {
     baked: Option<Baked>,
     cache_folder: Option<PathBuf>,
     kept: KeptDirect,
+    colours: VertexColours,
     warnings: Vec<String>,
     stages: Stages,
 }
@@ -176,6 +186,7 @@ impl Renderer {
             baked: None,
             cache_folder: cache_folder.map(Path::to_owned),
             kept: KeptDirect::default(),
+            colours: VertexColours::default(),
             warnings,
             stages,
         }
@@ -251,29 +262,39 @@ impl Renderer {
         run: &RunSettings,
     ) -> Result<Frame, RenderError> {
         let mut stages = Stages::default();
-        let lights: Vec<PlacedLight> = self
-            .scene
-            .lights
-            .iter()
-            .filter_map(|light| light.place(&self.surface.placement))
-            .collect();
-        let albedo: Vec<Vec3> = self.scene.materials.iter().map(|m| m.albedo).collect();
+        let lights = stages.time("lights", || {
+            PlacedLights::of(&self.scene, &self.surface.placement)
+        });
         let mut computed_lights = 0;
         let mut indirect = Vec::new();
-        if settings.needs_bake() {
+        let mut sky = Vec::new();
+        if settings.needs_bounces() || settings.needs_sky(&lights) {
             self.bake(run)?;
+            let baked = self.baked.as_ref().expect("the frame has made its bake");
+            let kept = &mut self.kept;
+            let at_vertices =
+                stages.time("sky", || kept.sky(&baked.bake, run.level, &lights.skies));
+            if settings.needs_sky(&lights) {
+                sky = at_vertices.to_vec();
+            }
+        }
+        if settings.needs_bounces() {
             let (surface, kept) = (&self.surface, &mut self.kept);
             computed_lights = stages.time("direct at vertices", || {
                 kept.update(surface, run.level, &lights)
             });
-            indirect = stages.time("bounces", || self.bounce(&albedo, settings.bounces, run))?;
+            let (scene, colours) = (&self.scene, &mut self.colours);
+            stages.time("colours at vertices", || colours.update(scene, surface));
+            indirect = stages.time("bounces", || self.bounce(settings.bounces, run))?;
         }
         let view = View {
             surface: &self.surface,
             level: run.level,
             camera: settings.camera.place(&self.surface.placement),
             lights: &lights,
-            albedo: &albedo,
+            scene: &self.scene,
+            light_samples: settings.light_samples,
+            sky: &sky,
             indirect: &indirect,
             component: settings.component,
         };
@@ -288,25 +309,19 @@ impl Renderer {
     }
 
     /// Indirect irradiance at the vertices from the kept direct light.
-    fn bounce(
-        &self,
-        albedo: &[Vec3],
-        bounces: Bounces,
-        run: &RunSettings,
-    ) -> Result<Vec<Vec3>, BounceError> {
+    fn bounce(&self, bounces: Bounces, run: &RunSettings) -> Result<Vec<Vec3>, BounceError> {
         let baked = self.baked.as_ref().expect("the frame has made its bake");
-        let materials = self.surface.vertices.materials();
-        let at_vertices: Vec<Vec3> = materials.iter().map(|&m| albedo[m as usize]).collect();
+        let albedo = self.colours.albedo(&self.scene, &self.surface);
         let direct = self.kept.sum(self.surface.vertices.len());
         let source: Vec<Vec3> = direct
             .iter()
-            .zip(&at_vertices)
+            .zip(&albedo)
             .map(|(e, rho)| *e * *rho)
             .collect();
         Transport {
             bake: &baked.bake,
             level: run.level,
         }
-        .solve(&source, &at_vertices, bounces)
+        .solve(&source, &albedo, bounces)
     }
 }

@@ -1,6 +1,6 @@
 //! The triangles of the file, before any tessellation.
 
-use glam::{DVec2, DVec3};
+use glam::{DVec2, DVec3, Vec3};
 
 /// Triangle soup with shared corners, units of the file.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -52,4 +52,13 @@ pub struct MeshTriangle {
     pub texture_coordinates: Option<[u32; 3]>,
     /// Index into [`super::Scene::materials`].
     pub material: u32,
+}
+
+/// Placed corners whatever their order: equal for triangles of which only the
+/// first can be seen.
+pub(crate) fn same_corners(corners: [Vec3; 3]) -> [[u32; 3]; 3] {
+    // Adding zero turns -0 into +0.
+    let mut bits = corners.map(|c| (c + Vec3::ZERO).to_array().map(f32::to_bits));
+    bits.sort_unstable();
+    bits
 }

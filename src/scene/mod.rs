@@ -37,8 +37,11 @@ pub use error::SceneError;
 pub use file::Override;
 pub use golden::{GoldenKeys, PixelLimit};
 pub use light::{Area, Directional, Environment, Light, LightKind, Point, Radiance, Spot};
-pub(crate) use light::{LightSample, PlacedLight};
+pub(crate) use light::{
+    LightSample, PlacedEnvironment, PlacedLight, PlacedLights, PlacedRectangle,
+};
 pub use material::Material;
+pub(crate) use mesh::same_corners;
 pub use mesh::{Mesh, MeshTriangle};
 pub(crate) use placement::Placement;
 

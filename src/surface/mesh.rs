@@ -3,10 +3,10 @@
 
 use std::collections::{HashMap, HashSet};
 
-use glam::Vec3;
+use glam::{DVec2, Vec2, Vec3};
 
 use super::tessellate::tessellate;
-use crate::scene::{MeshTriangle, Placement, Scene};
+use crate::scene::{MeshTriangle, Placement, Scene, same_corners};
 
 /// No triangle, or no vertex.
 pub(crate) const NONE: u32 = u32::MAX;
@@ -32,6 +32,9 @@ pub(crate) struct LightingMesh {
     /// Placed units; no two are equal.
     pub(crate) positions: Vec<Vec3>,
     pub(crate) triangles: Vec<SurfaceTriangle>,
+    /// Texture coordinates of the corners of each triangle; empty in a scene
+    /// that shows no texture.
+    pub(crate) texture_coordinates: Vec<Option<[Vec2; 3]>>,
     /// Triangles dropped because they have no area in single precision.
     pub(crate) dropped: usize,
     /// Triangles dropped because an earlier one has the same corners: of two
@@ -85,13 +88,15 @@ impl LightingMesh {
         let mut welder = Welder::default();
         let mut mesh = Self::default();
         let mut seen = HashSet::new();
+        let is_textured = has_textures(scene);
         for triangle in &scene.mesh.triangles {
             let corners = triangle.corners.map(|c| placed[c as usize]);
-            if !seen.insert(sorted_bits(corners)) {
+            if !seen.insert(same_corners(corners)) {
                 mesh.duplicates += 1;
                 continue;
             }
             let normals = source_normals(scene, triangle);
+            let uv = source_texture_coordinates(scene, triangle).filter(|_| is_textured);
             tessellate(corners, max_edge, &mut |piece| {
                 let corners = piece.map(|c| welder.weld(c.position));
                 let area_normal = area_normal(piece.map(|c| c.position));
@@ -105,6 +110,10 @@ impl LightingMesh {
                     return;
                 }
                 let flat_normal = area_normal / length;
+                if is_textured {
+                    let at = |uv: [DVec2; 3]| piece.map(|c| weighted(uv, c.source_barycentrics));
+                    mesh.texture_coordinates.push(uv.map(at));
+                }
                 mesh.triangles.push(SurfaceTriangle {
                     corners,
                     normals: piece.map(|c| match normals {
@@ -119,6 +128,12 @@ impl LightingMesh {
         }
         mesh.positions = welder.positions;
         mesh
+    }
+
+    /// Texture coordinates of a triangle's corners, where it has them and the
+    /// scene shows textures.
+    pub(crate) fn texture_coordinates_of(&self, triangle: u32) -> Option<[Vec2; 3]> {
+        *self.texture_coordinates.get(triangle as usize)?
     }
 
     /// Corner positions of a triangle.
@@ -152,13 +167,6 @@ impl SurfaceTriangle {
     }
 }
 
-/// The corners whatever their order.
-fn sorted_bits(corners: [Vec3; 3]) -> [[u32; 3]; 3] {
-    let mut bits = corners.map(|c| (c + Vec3::ZERO).to_array().map(f32::to_bits));
-    bits.sort_unstable();
-    bits
-}
-
 /// Normal of a flat triangle, of twice its area's length. Summed in double
 /// precision: thin pieces of a big wall keep the wall's direction.
 fn area_normal(p: [Vec3; 3]) -> Vec3 {
@@ -170,6 +178,26 @@ fn source_normals(scene: &Scene, triangle: &MeshTriangle) -> Option<[Vec3; 3]> {
     triangle
         .normals
         .map(|n| n.map(|i| scene.mesh.normals[i as usize].as_vec3()))
+}
+
+/// Whether a triangle shows a texture.
+fn has_textures(scene: &Scene) -> bool {
+    scene.mesh.triangles.iter().any(|triangle| {
+        let material = &scene.materials[triangle.material as usize];
+        triangle.texture_coordinates.is_some()
+            && (material.albedo_map.is_some() || material.emission_map.is_some())
+    })
+}
+
+/// Texture coordinates of a triangle of the file.
+fn source_texture_coordinates(scene: &Scene, triangle: &MeshTriangle) -> Option<[DVec2; 3]> {
+    let indices = triangle.texture_coordinates?;
+    Some(indices.map(|i| scene.mesh.texture_coordinates[i as usize]))
+}
+
+fn weighted(uv: [DVec2; 3], barycentrics: Vec3) -> Vec2 {
+    let [a, b, c] = barycentrics.as_dvec3().to_array();
+    (uv[0] * a + uv[1] * b + uv[2] * c).as_vec2()
 }
 
 /// The unit normal at barycentric coordinates, or `fallback` where the three

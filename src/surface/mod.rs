@@ -8,6 +8,7 @@
 mod detail;
 pub(crate) mod direct;
 mod forest;
+pub(crate) mod maps;
 mod mesh;
 mod rays;
 mod shrunken;

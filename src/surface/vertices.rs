@@ -65,7 +65,7 @@ pub(crate) struct MeshEdge {
     pub(crate) corners: [u32; 2],
     /// The triangles on it; the second is [`NONE`] at a border.
     pub(crate) triangles: [u32; 2],
-    /// Whether the surface is not smooth across it.
+    /// Whether the surface, or the texture on it, is not smooth across it.
     pub(crate) crease: bool,
 }
 
@@ -91,6 +91,7 @@ pub(crate) fn join(mesh: &LightingMesh) -> Joints {
             [a, b] => (join_pair(mesh, *a, *b, &mut corners), b.triangle),
             _ => (false, NONE),
         };
+        let smooth = smooth && is_map_continuous(mesh, sides);
         if smooth {
             patches.join(sides[0].triangle, second);
         }
@@ -108,6 +109,22 @@ pub(crate) fn join(mesh: &LightingMesh) -> Joints {
         groups: (0..mesh.triangles.len() as u32 * 3)
             .map(|c| corners.root(c))
             .collect(),
+    }
+}
+
+/// Whether the two triangles on an edge have the same texture coordinates
+/// there, so that a pixel across it shows one piece of a texture.
+fn is_map_continuous(mesh: &LightingMesh, sides: &[EdgeSide]) -> bool {
+    let [a, b] = sides else { return false };
+    let at = |side: &EdgeSide| mesh.texture_coordinates_of(side.triangle);
+    match (at(a), at(b)) {
+        (None, None) => true,
+        (Some(s), Some(t)) => {
+            let (i, j) = (usize::from(a.first), usize::from(b.first));
+            // The edge runs the other way in the neighbour.
+            s[i] == t[(j + 1) % 3] && s[(i + 1) % 3] == t[j]
+        }
+        _ => false,
     }
 }
 
@@ -276,6 +293,17 @@ impl LightingVertices {
         vertex: usize,
         u: [f32; 2],
     ) -> SurfacePoint {
+        let (triangle, barycentrics) = self.sample_site(vertex, u);
+        surface_point(
+            mesh,
+            triangle,
+            barycentrics,
+            self.front_of(vertex) == vertex,
+        )
+    }
+
+    /// Triangle and barycentric coordinates of [`Self::sample_point`].
+    pub(crate) fn sample_site(&self, vertex: usize, u: [f32; 2]) -> (u32, [f32; 3]) {
         let front = self.front_of(vertex);
         let fan =
             &self.fans[self.fan_offsets[front] as usize..self.fan_offsets[front + 1] as usize];
@@ -296,7 +324,7 @@ impl LightingVertices {
         barycentrics[corner] = hat;
         barycentrics[(corner + 1) % 3] = (1.0 - hat) * (1.0 - across);
         barycentrics[(corner + 2) % 3] = (1.0 - hat) * across;
-        surface_point(mesh, fan[k].triangle, barycentrics, front == vertex)
+        (fan[k].triangle, barycentrics)
     }
 }
 

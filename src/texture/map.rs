@@ -7,6 +7,9 @@ use glam::Vec2;
 use glam::Vec3;
 
 use super::TextureError;
+use super::footprint::{Footprint, Grid, Texels};
+use super::image_file::{self, LINEAR_FROM_LEVEL, Pixels};
+use super::pyramid::{Level, coarser_levels, strip_area};
 
 /// How a texture is read between texel centres.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -23,7 +26,37 @@ pub enum TextureFilter {
 pub struct Texture {
     path: PathBuf,
     size: [u32; 2],
-    mean: Vec3,
+    finest: Finest,
+    /// Level 1 and coarser.
+    coarser: Vec<Level>,
+}
+
+/// Level 0, as it was in the file.
+#[derive(Debug, Clone)]
+enum Finest {
+    Levels(Encoded),
+    Linear(Vec<Vec3>),
+}
+
+/// sRGB levels, read through the table of their linear values.
+#[derive(Debug, Clone)]
+struct Encoded {
+    levels: Vec<[u8; 3]>,
+    linear: &'static [f32; 256],
+}
+
+impl Texels for Encoded {
+    #[inline]
+    fn texel(&self, index: usize) -> Vec3 {
+        Vec3::from_array(self.levels[index].map(|level| self.linear[usize::from(level)]))
+    }
+}
+
+impl Texels for Vec<Vec3> {
+    #[inline]
+    fn texel(&self, index: usize) -> Vec3 {
+        self[index]
+    }
 }
 
 impl PartialEq for Texture {
@@ -34,12 +67,30 @@ impl PartialEq for Texture {
 
 impl Texture {
     /// Decodes the bytes of the file at `path`.
-    pub(crate) fn decode(_bytes: &[u8], path: &Path) -> Result<Self, TextureError> {
-        Ok(Self {
+    pub(crate) fn decode(bytes: &[u8], path: &Path) -> Result<Self, TextureError> {
+        let file = image_file::decode(bytes, path)?;
+        Ok(Self::new(path, file.size, file.pixels))
+    }
+
+    fn new(path: &Path, size: [u32; 2], pixels: Pixels) -> Self {
+        let texels = size.map(|n| n as usize);
+        let finest = match pixels {
+            Pixels::Levels(levels) => Finest::Levels(Encoded {
+                levels,
+                linear: &LINEAR_FROM_LEVEL,
+            }),
+            Pixels::Linear(values) => Finest::Linear(values),
+        };
+        let coarser = match &finest {
+            Finest::Levels(encoded) => coarser_levels(texels, |i| encoded.texel(i), strip_area),
+            Finest::Linear(values) => coarser_levels(texels, |i| values[i], strip_area),
+        };
+        Self {
             path: path.to_owned(),
-            size: [1, 1],
-            mean: Vec3::splat(0.5),
-        })
+            size,
+            finest,
+            coarser,
+        }
     }
 
     /// The file.
@@ -50,6 +101,15 @@ impl Texture {
     /// Width and height, pixels.
     pub fn size(&self) -> [u32; 2] {
         self.size
+    }
+
+    /// Mean colour, linear.
+    pub(crate) fn mean_color(&self) -> Vec3 {
+        match (self.coarser.last(), &self.finest) {
+            (Some(level), _) => level.texels[0],
+            (None, Finest::Levels(encoded)) => encoded.texel(0),
+            (None, Finest::Linear(values)) => values[0],
+        }
     }
 }
 
@@ -70,13 +130,114 @@ pub struct TextureMap {
 impl TextureMap {
     /// Mean colour over the parallelogram `uv + a along_x + b along_y`, a and b
     /// in -0.5..0.5, texture coordinates of the mesh; v = 0 is the bottom row.
+    /// The mean colour of the image for what is not finite.
     pub(crate) fn mean(
         &self,
-        _uv: Vec2,
-        _along_x: Vec2,
-        _along_y: Vec2,
-        _filter: TextureFilter,
+        uv: Vec2,
+        along_x: Vec2,
+        along_y: Vec2,
+        filter: TextureFilter,
     ) -> Vec3 {
-        self.texture.mean
+        let Some(footprint) = self.footprint(uv, along_x, along_y) else {
+            return self.texture.mean_color();
+        };
+        match &self.texture.finest {
+            Finest::Levels(encoded) => self.mean_of(encoded, &footprint, filter),
+            Finest::Linear(values) => self.mean_of(values, &footprint, filter),
+        }
+    }
+
+    /// Colour at a point, of the image alone: what [`Self::mean`] averages.
+    pub(crate) fn point(&self, uv: Vec2, filter: TextureFilter) -> Vec3 {
+        let Some(footprint) = self.footprint(uv, Vec2::ZERO, Vec2::ZERO) else {
+            return self.texture.mean_color();
+        };
+        match &self.texture.finest {
+            Finest::Levels(encoded) => self.point_of(encoded, &footprint, filter),
+            Finest::Linear(values) => self.point_of(values, &footprint, filter),
+        }
+    }
+
+    fn finest_grid<'a, T>(&self, texels: &'a T) -> Grid<'a, T> {
+        Grid {
+            size: self.texture.size.map(|n| n as usize),
+            texels,
+            clamp: self.clamp,
+        }
+    }
+
+    fn point_of<T: Texels>(&self, texels: &T, at: &Footprint, filter: TextureFilter) -> Vec3 {
+        let grid = self.finest_grid(texels);
+        match filter {
+            TextureFilter::Bilinear => grid.bilinear(at.middle),
+            TextureFilter::Nearest => grid.nearest(at.middle),
+        }
+    }
+
+    fn mean_of<T: Texels>(&self, texels: &T, over: &Footprint, filter: TextureFilter) -> Vec3 {
+        let grid = self.finest_grid(texels);
+        let within_texels = match filter {
+            TextureFilter::Bilinear => grid.magnified_mean(over),
+            TextureFilter::Nearest => grid.only_texel(over),
+        };
+        if let Some(mean) = within_texels {
+            return mean;
+        }
+        let choice = over.choice(grid.size);
+        let mean_at = |octave: i32| match (octave, filter) {
+            (..0, TextureFilter::Bilinear) => grid.divided_mean(over, octave),
+            (..=0, _) => grid.covered_mean(over),
+            (1.., _) => self.coarse_mean_of(&grid, over, octave),
+        };
+        let mean = mean_at(choice.octave);
+        // All octaves below are one level to the nearest filter.
+        let is_last_step = filter == TextureFilter::Nearest && choice.octave < 0;
+        if choice.next_share == 0.0 || is_last_step {
+            return mean;
+        }
+        mean + (mean_at(choice.octave + 1) - mean) * choice.next_share
+    }
+
+    fn coarse_mean_of<T: Texels>(&self, finest: &Grid<T>, over: &Footprint, octave: i32) -> Vec3 {
+        let index = (octave as usize).min(self.texture.coarser.len());
+        let Some(level) = index.checked_sub(1).map(|i| &self.texture.coarser[i]) else {
+            return finest.covered_mean(over);
+        };
+        let grid = Grid {
+            size: level.size,
+            texels: &level.texels,
+            clamp: self.clamp,
+        };
+        grid.covered_mean(over)
+    }
+
+    /// A footprint of the mesh in the image; none if it is not finite.
+    fn footprint(&self, uv: Vec2, along_x: Vec2, along_y: Vec2) -> Option<Footprint> {
+        // Rows of the image are counted from the top.
+        let down = Vec2::new(1.0, -1.0);
+        let [along_x, along_y] = [along_x, along_y].map(|edge| edge * self.scale * down);
+        let u = f64::from(uv.x) * f64::from(self.scale.x) + f64::from(self.offset.x);
+        let v = f64::from(uv.y) * f64::from(self.scale.y) + f64::from(self.offset.y);
+        let half = (along_x.abs() + along_y.abs()) * 0.5;
+        if !(u.is_finite() && v.is_finite() && half.is_finite()) {
+            return None;
+        }
+        let reduced = |x: f64, half: f32| {
+            if self.clamp {
+                // Farther out all is the border.
+                let reach = f64::from(half) + 1.0;
+                x.clamp(-reach, 1.0 + reach)
+            } else {
+                x - x.floor()
+            }
+        };
+        Some(Footprint {
+            middle: [reduced(u, half.x), reduced(1.0 - v, half.y)],
+            along_x,
+            along_y,
+        })
     }
 }
+
+#[cfg(test)]
+mod tests;

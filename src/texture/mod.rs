@@ -4,10 +4,15 @@
 //! a material, and [`EnvironmentMap`], the radiance of the sky. Linear Rec.709
 //! everywhere. The only room that decodes images for scenes.
 
+mod coverage;
 mod environment;
 mod error;
+mod exr_header;
+mod footprint;
 mod image_file;
+mod jpeg;
 mod map;
+mod pyramid;
 
 pub use environment::EnvironmentMap;
 pub(crate) use environment::Sun;

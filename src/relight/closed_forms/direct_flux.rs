@@ -9,6 +9,7 @@ use super::at_most;
 use crate::bake::RunSettings;
 use crate::maths::functions::acos;
 use crate::relight::kept::KeptDirect;
+use crate::scene::PlacedLights;
 use crate::scene::Scene;
 use crate::scene::sample_scenes::{Facing, SampleMesh, point_light};
 use crate::surface::{Detail, Surface};
@@ -60,9 +61,9 @@ fn a_wide_plane_catches_half_the_flux() {
         for place in 0..16 {
             let (i, j) = (f64::from(place % 4), f64::from(place / 4));
             let light = DVec3::new(0.031 * i + 0.003, height * EDGE, 0.031 * j + 0.001);
-            let placed = point_light(light, 1.0).place(&surface.placement).unwrap();
+            let placed = PlacedLights::of_file(&[point_light(light, 1.0)], &surface.placement);
             let mut kept = KeptDirect::default();
-            kept.update(&surface, RunSettings::silent().level, &[placed]);
+            kept.update(&surface, RunSettings::silent().level, &placed);
             let irradiance: Vec<Vec3> = kept.sum(surface.vertices.len());
             let areas = surface.vertices.areas();
             let caught: f64 = irradiance

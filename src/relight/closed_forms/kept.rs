@@ -7,6 +7,7 @@ use super::Baked;
 use crate::bake::RunSettings;
 use crate::relight::kept::KeptDirect;
 use crate::relight::{FrameSettings, Renderer};
+use crate::scene::PlacedLights;
 use crate::scene::sample_scenes::{point_light, room_with_blocks};
 use crate::scene::{Light, LightKind, Scene};
 use crate::simd::Level;
@@ -41,11 +42,7 @@ fn kept_direct_light_has_the_bits_of_fresh_light() {
     let room = Baked::new(&scene);
     let mut kept = KeptDirect::default();
     for step in 0..=20 {
-        let lights: Vec<_> = scene
-            .lights
-            .iter()
-            .map(|l| l.place(&room.surface.placement).unwrap())
-            .collect();
+        let lights = PlacedLights::of_file(&scene.lights, &room.surface.placement);
         let computed = kept.update(&room.surface, Level::detect(), &lights);
         assert_eq!(
             computed,

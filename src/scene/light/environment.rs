@@ -5,6 +5,9 @@ use std::sync::Arc;
 
 use glam::Vec3;
 
+use super::sun::PlacedSun;
+use crate::maths::cube_cells::CELL_COUNT;
+use crate::maths::functions::{cos, sin};
 use crate::scene::SceneError;
 use crate::scene::file::fields::{Fields, Item, LARGEST};
 use crate::scene::images::Sources;
@@ -58,6 +61,95 @@ impl Environment {
             // Whole turns would take the digits of single precision.
             rotation_deg: (rotation_deg % 360.0) as f32,
         })
+    }
+}
+
+/// An environment ready to be asked for radiance. It is infinitely far away, so
+/// placing changes no length in it.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct PlacedEnvironment {
+    radiance: Radiance,
+    scale: f32,
+    /// Cosine and sine of the rotation.
+    turn: [f32; 2],
+}
+
+impl Environment {
+    pub(super) fn place(&self) -> PlacedEnvironment {
+        let angle = f64::from(self.rotation_deg) % 360.0 * (std::f64::consts::PI / 180.0);
+        PlacedEnvironment {
+            radiance: self.radiance.clone(),
+            scale: self.scale,
+            turn: [cos(angle) as f32, sin(angle) as f32],
+        }
+    }
+}
+
+impl PlacedEnvironment {
+    /// Radiance from a unit direction, W/(m2 sr), mean over a cone
+    /// `spread_rad` wide.
+    pub(crate) fn radiance(&self, direction: Vec3, spread_rad: f32) -> Vec3 {
+        match &self.radiance {
+            Radiance::Constant(radiance) => *radiance * self.scale,
+            Radiance::Map(map) => {
+                map.radiance(self.map_from_world(direction), spread_rad) * self.scale
+            }
+        }
+    }
+
+    /// H_m of the cells of the sky: pi x the mean radiance of each, W/m2. The
+    /// sun of a map is left out; it is a light of its own.
+    pub(crate) fn cells(&self) -> Vec<Vec3> {
+        let means = match &self.radiance {
+            Radiance::Constant(radiance) => vec![*radiance; CELL_COUNT],
+            Radiance::Map(map) => map.cell_means(|direction| self.map_from_world(direction)),
+        };
+        let factor = std::f32::consts::PI * self.scale;
+        means.into_iter().map(|mean| mean * factor).collect()
+    }
+
+    /// The sun of a map, if it has one.
+    pub(crate) fn sun(&self) -> Option<PlacedSun> {
+        let Radiance::Map(map) = &self.radiance else {
+            return None;
+        };
+        let sun = map.sun()?;
+        Some(PlacedSun {
+            direction: self.world_from_map(sun.direction),
+            irradiance: sun.irradiance * self.scale,
+            radius_rad: sun.radius_rad,
+        })
+    }
+
+    /// A direction with density proportional to brightness and its density
+    /// (1/sr), from two uniforms; `None` for a sky without a map, whose
+    /// brightness is the same everywhere.
+    pub(crate) fn sample(&self, u: [f32; 2]) -> Option<(Vec3, f32)> {
+        let Radiance::Map(map) = &self.radiance else {
+            return None;
+        };
+        let (direction, density) = map.sample(u);
+        Some((self.world_from_map(direction), density))
+    }
+
+    /// Density (1/sr) with which [`Self::sample`] gives a direction; 0 without
+    /// a map.
+    pub(crate) fn density(&self, direction: Vec3) -> f32 {
+        match &self.radiance {
+            Radiance::Constant(_) => 0.0,
+            Radiance::Map(map) => map.density(self.map_from_world(direction)),
+        }
+    }
+
+    /// The rotation adds to u = atan2(d.x, -d.z) / 2 pi.
+    fn map_from_world(&self, d: Vec3) -> Vec3 {
+        let [cos, sin] = self.turn;
+        Vec3::new(d.x * cos - d.z * sin, d.y, d.z * cos + d.x * sin)
+    }
+
+    fn world_from_map(&self, d: Vec3) -> Vec3 {
+        let [cos, sin] = self.turn;
+        Vec3::new(d.x * cos + d.z * sin, d.y, d.z * cos - d.x * sin)
     }
 }
 

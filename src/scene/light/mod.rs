@@ -3,16 +3,27 @@
 
 mod area;
 mod directional;
+mod emitters;
 mod environment;
+mod placed;
 mod point;
+mod polygon;
 mod spot;
+mod sun;
+
+use std::sync::Arc;
 
 use glam::Vec3;
 
 pub use area::Area;
+pub(crate) use area::PlacedRectangle;
 pub use directional::Directional;
+pub(crate) use emitters::{Emitters, LightCut};
+pub(crate) use environment::PlacedEnvironment;
 pub use environment::{Environment, Radiance};
+pub(crate) use placed::PlacedLights;
 pub use point::Point;
+pub(crate) use polygon::Polygon;
 pub use spot::Spot;
 
 use super::file::fields::Fields;
@@ -81,11 +92,36 @@ pub enum LightKind {
 }
 
 /// A light in placed units: what illuminates a point.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub(crate) enum PlacedLight {
     Point(point::PlacedPoint),
     Spot(spot::PlacedSpot),
     Directional(directional::PlacedDirectional),
+    /// Surfaces that emit: one rectangle, or all emitting triangles of the mesh.
+    Surfaces(Arc<Emitters>),
+    /// The sun of an environment map.
+    Sun(sun::PlacedSun),
+}
+
+/// What a light would send to a point on a plane if nothing were in the way.
+pub(crate) enum Incident<'a> {
+    /// From one direction: one shadow ray tells all.
+    Sharp {
+        /// Irradiance on the plane, W/m2.
+        open: Vec3,
+        sample: LightSample,
+    },
+    /// From surfaces that emit.
+    Surfaces {
+        emitters: &'a Emitters,
+        cut: LightCut,
+    },
+    /// From a disc of the sky.
+    Disc {
+        /// Irradiance on the plane, W/m2.
+        open: Vec3,
+        sun: sun::PlacedSun,
+    },
 }
 
 /// What one light sends to one point, before visibility and the cosine.
@@ -125,16 +161,6 @@ impl Light {
             kind: read(&mut fields, sources)?,
         })
     }
-
-    /// The light in placed units, or `None` for a kind that is not rendered yet.
-    pub(crate) fn place(&self, placement: &Placement) -> Option<PlacedLight> {
-        match &self.kind {
-            LightKind::Point(light) => Some(PlacedLight::Point(light.place(placement))),
-            LightKind::Spot(light) => Some(PlacedLight::Spot(light.place(placement))),
-            LightKind::Directional(light) => Some(PlacedLight::Directional(light.place())),
-            LightKind::Area(_) | LightKind::Environment(_) => None,
-        }
-    }
 }
 
 impl PlacedLight {
@@ -163,12 +189,29 @@ impl PlacedLight {
         )
     }
 
-    /// What arrives at `point` (placed units) if nothing is in the way.
-    pub(crate) fn sample(&self, point: Vec3) -> LightSample {
-        match self {
+    /// What arrives at a point (placed units) on a plane of unit `normal` if
+    /// nothing is in the way.
+    pub(crate) fn incident(&self, point: Vec3, normal: Vec3) -> Incident<'_> {
+        let sample = match self {
             Self::Point(light) => light.sample(point),
             Self::Spot(light) => light.sample(point),
             Self::Directional(light) => light.sample(),
+            Self::Surfaces(emitters) => {
+                return Incident::Surfaces {
+                    emitters,
+                    cut: emitters.cut(point, normal),
+                };
+            }
+            Self::Sun(sun) => {
+                return Incident::Disc {
+                    open: sun.unoccluded(normal),
+                    sun: *sun,
+                };
+            }
+        };
+        Incident::Sharp {
+            open: sample.irradiance_on(normal),
+            sample,
         }
     }
 
@@ -182,7 +225,46 @@ impl PlacedLight {
     pub(crate) fn edge_between(&self, a: Vec3, b: Vec3) -> bool {
         match self {
             Self::Spot(light) => light.edge_between(a, b),
-            Self::Point(_) | Self::Directional(_) => false,
+            Self::Point(_) | Self::Directional(_) | Self::Surfaces(_) | Self::Sun(_) => false,
+        }
+    }
+}
+
+impl LightSample {
+    /// Irradiance on a plane of unit `normal`, W/m2: zero from behind it.
+    pub(crate) fn irradiance_on(&self, normal: Vec3) -> Vec3 {
+        let cosine = self.direction.dot(normal);
+        if cosine > 0.0 {
+            self.irradiance * cosine
+        } else {
+            Vec3::ZERO
+        }
+    }
+}
+
+impl Incident<'_> {
+    /// Irradiance on the plane if nothing is in the way, W/m2.
+    pub(crate) fn open(&self) -> Vec3 {
+        match self {
+            Self::Sharp { open, .. } | Self::Disc { open, .. } => *open,
+            Self::Surfaces { cut, .. } => cut.open(),
+        }
+    }
+
+    /// Whether all of it comes from one direction, so that every
+    /// [`Self::sample`] is the same.
+    pub(crate) fn is_sharp(&self) -> bool {
+        matches!(self, Self::Sharp { .. })
+    }
+
+    /// One direction that light comes from, for two uniforms. The mean of
+    /// [`LightSample::irradiance_on`] the plane over them is [`Self::open`].
+    /// `None` where the direction gives nothing.
+    pub(crate) fn sample(&self, u: [f32; 2]) -> Option<LightSample> {
+        match self {
+            Self::Sharp { sample, .. } => Some(*sample),
+            Self::Surfaces { emitters, cut } => cut.sample(emitters, u),
+            Self::Disc { sun, .. } => Some(sun.sample(u)),
         }
     }
 }

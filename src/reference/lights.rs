@@ -1,0 +1,248 @@
+//! Direct light at a path's vertex: one point of every light, drawn at random.
+//!
+//! Emitting surfaces are drawn by power over the lighting mesh and environment
+//! maps by brightness, with none of the closed forms, light trees, cells and
+//! extracted suns of the renderer, so that a fault there shows.
+
+use glam::Vec3;
+
+use super::colour_at;
+use crate::maths::hash::uniform;
+use crate::maths::sampling::pick;
+use crate::scene::{
+    LightSample, PlacedEnvironment, PlacedLight, PlacedLights, PlacedRectangle, Scene,
+    max_component,
+};
+use crate::simd::Level;
+use crate::surface::direct::{LightPoints, Shadows};
+use crate::surface::{Surface, SurfacePoint};
+
+/// The lights of a scene as paths use them.
+pub(super) struct Lights<'a> {
+    scene: &'a Scene,
+    surface: &'a Surface,
+    /// Points, spots, directional lights.
+    sharp: Vec<PlacedLight>,
+    rectangles: Vec<PlacedRectangle>,
+    skies: Vec<PlacedEnvironment>,
+    /// Triangles of the lighting mesh that emit.
+    emitting: Vec<u32>,
+    /// Area x largest channel of emission, up to and with each of these.
+    cumulative_power: Vec<f32>,
+}
+
+/// How a path's direction was drawn.
+pub(super) struct Drawn {
+    /// Density of the direction, 1/sr.
+    density: f32,
+}
+
+impl Drawn {
+    pub(super) fn of(point: &SurfacePoint, direction: Vec3) -> Self {
+        Self {
+            density: path_density(point, direction),
+        }
+    }
+}
+
+/// Density (1/sr) of a path's directions: cosine-weighted about the shading
+/// normal and mirrored above the flat triangle.
+fn path_density(point: &SurfacePoint, direction: Vec3) -> f32 {
+    let height = direction.dot(point.flat_normal);
+    if height <= 0.0 {
+        return 0.0;
+    }
+    let mirrored = direction - point.flat_normal * (2.0 * height);
+    let cosine = |d: Vec3| {
+        let c = d.dot(point.normal);
+        if c > 0.0 { c } else { 0.0 }
+    };
+    (cosine(direction) + cosine(mirrored)) * std::f32::consts::FRAC_1_PI
+}
+
+impl<'a> Lights<'a> {
+    pub(super) fn of(scene: &'a Scene, surface: &'a Surface) -> Self {
+        let placed = PlacedLights::of(scene, &surface.placement);
+        let is_sharp =
+            |light: &PlacedLight| !matches!(light, PlacedLight::Surfaces(_) | PlacedLight::Sun(_));
+        let triangles = &surface.mesh.triangles;
+        let emission = |t: u32| scene.materials[triangles[t as usize].material as usize].emission;
+        let emitting: Vec<u32> = (0..triangles.len() as u32)
+            .filter(|&t| emission(t) != Vec3::ZERO)
+            .collect();
+        let cumulative_power = emitting
+            .iter()
+            .scan(0.0, |total, &t| {
+                *total += triangles[t as usize].area * max_component(emission(t));
+                Some(*total)
+            })
+            .collect();
+        Self {
+            scene,
+            surface,
+            sharp: placed.sources.into_iter().filter(is_sharp).collect(),
+            rectangles: placed.rectangles,
+            skies: placed.skies,
+            emitting,
+            cumulative_power,
+        }
+    }
+
+    pub(super) fn has_sky(&self) -> bool {
+        !self.skies.is_empty()
+    }
+
+    /// Radiance that a point of the mesh emits on its front, W/(m2 sr).
+    pub(super) fn emission(&self, site: (u32, [f32; 3])) -> Vec3 {
+        let material = self.surface.mesh.triangles[site.0 as usize].material;
+        let material = &self.scene.materials[material as usize];
+        if material.emission == Vec3::ZERO {
+            return Vec3::ZERO;
+        }
+        let map = material.emission_map.as_ref();
+        material.emission * colour_at(self.scene, self.surface, map, site)
+    }
+
+    /// Radiance of the rectangle that a ray from the eye meets before
+    /// `distance`; black from behind.
+    pub(super) fn rectangle_seen(
+        &self,
+        origin: Vec3,
+        direction: Vec3,
+        distance: f32,
+    ) -> Option<Vec3> {
+        let mut nearest = (distance, None);
+        for rectangle in &self.rectangles {
+            if let Some(t) = rectangle.hit(origin, direction)
+                && t < nearest.0
+            {
+                let faces = rectangle.normal.as_vec3().dot(direction) < 0.0;
+                let radiance = if faces {
+                    rectangle.radiance
+                } else {
+                    Vec3::ZERO
+                };
+                nearest = (t, Some(radiance));
+            }
+        }
+        nearest.1
+    }
+
+    /// Radiance of the sky along a path's direction, weighted against the
+    /// directions that [`Self::irradiance`] draws (balance heuristic, Veach and
+    /// Guibas 1995).
+    pub(super) fn sky_seen(&self, direction: Vec3, drawn: Option<&Drawn>) -> Vec3 {
+        self.skies.iter().fold(Vec3::ZERO, |sum, sky| {
+            let weight = drawn.map_or(1.0, |drawn| {
+                drawn.density / (drawn.density + sky.density(direction))
+            });
+            sum + sky.radiance(direction, 0.0) * weight
+        })
+    }
+
+    /// Irradiance at a point by one point of every light, W/m2.
+    pub(super) fn irradiance(&self, level: Level, point: &SurfacePoint, seed: u32) -> Vec3 {
+        let shadows = Shadows {
+            surface: self.surface,
+            level,
+            rectangles: &self.rectangles,
+        };
+        let one = LightPoints::of(0, 0, 0, 1);
+        let mut sum = self.sharp.iter().fold(Vec3::ZERO, |sum, light| {
+            sum + shadows.irradiance(light, point, one)
+        });
+        for (index, rectangle) in self.rectangles.iter().enumerate() {
+            let u = [0, 1].map(|d| uniform(seed, index as u32, d));
+            sum += arriving(&shadows, point, &from_rectangle(rectangle, point, u));
+        }
+        if !self.emitting.is_empty() {
+            let u = [2, 3, 4].map(|d| uniform(seed, 0, d));
+            sum += arriving(&shadows, point, &self.from_mesh(point, u));
+        }
+        // The transfer ignores rectangles, and the sky's light comes through it.
+        let sky_shadows = Shadows::of_surface(self.surface, level);
+        for (index, sky) in self.skies.iter().enumerate() {
+            let u = [5, 6].map(|d| uniform(seed, index as u32, d));
+            sum += from_sky(&sky_shadows, sky, point, u);
+        }
+        sum
+    }
+
+    /// A point of the emitting mesh, drawn by power.
+    fn from_mesh(&self, point: &SurfacePoint, [u, v, w]: [f32; 3]) -> LightSample {
+        let index = pick(&self.cumulative_power, u);
+        let triangle = self.emitting[index];
+        let before = index
+            .checked_sub(1)
+            .map_or(0.0, |i| self.cumulative_power[i]);
+        let total = self.cumulative_power[self.cumulative_power.len() - 1];
+        let chance = (self.cumulative_power[index] - before) / total;
+        // Uniform over the triangle (Turk 1990).
+        let root = v.sqrt();
+        let site = (triangle, [1.0 - root, root * (1.0 - w), root * w]);
+        let there = self.surface.point(triangle, site.1, true);
+        let area = self.surface.mesh.triangles[triangle as usize].area;
+        let intensity = self.emission(site) * (area / chance);
+        toward(point, there.position, there.flat_normal, intensity)
+    }
+}
+
+/// A point of a rectangle, uniform over its area.
+fn from_rectangle(rectangle: &PlacedRectangle, point: &SurfacePoint, u: [f32; 2]) -> LightSample {
+    let there =
+        rectangle.corner + rectangle.edge_u * f64::from(u[0]) + rectangle.edge_v * f64::from(u[1]);
+    let area = rectangle.edge_u.cross(rectangle.edge_v).length() as f32;
+    toward(
+        point,
+        there.as_vec3(),
+        rectangle.normal.as_vec3(),
+        rectangle.radiance * area,
+    )
+}
+
+/// What a piece of a light sends to a point; `intensity` is its radiance x area
+/// in placed units.
+fn toward(point: &SurfacePoint, there: Vec3, normal: Vec3, intensity: Vec3) -> LightSample {
+    let to_light = there - point.position;
+    let squared = to_light.length_squared().max(f32::MIN_POSITIVE);
+    let distance = squared.sqrt();
+    let direction = to_light / distance;
+    let cosine = (-direction).dot(normal).max(0.0);
+    LightSample {
+        direction,
+        distance,
+        irradiance: intensity * (cosine / squared),
+    }
+}
+
+/// Irradiance of a sample after its shadow ray.
+fn arriving(shadows: &Shadows, point: &SurfacePoint, sample: &LightSample) -> Vec3 {
+    let open = sample.irradiance_on(point.normal);
+    if open == Vec3::ZERO || shadows.hidden(sample, point) {
+        Vec3::ZERO
+    } else {
+        open
+    }
+}
+
+/// Irradiance of a sky by one direction drawn by its brightness, weighted
+/// against the path's own direction; a sky without a map is left to that.
+fn from_sky(shadows: &Shadows, sky: &PlacedEnvironment, point: &SurfacePoint, u: [f32; 2]) -> Vec3 {
+    let Some((direction, density)) = sky.sample(u) else {
+        return Vec3::ZERO;
+    };
+    let of_path = path_density(point, direction);
+    if of_path <= 0.0 {
+        return Vec3::ZERO;
+    }
+    let sample = LightSample {
+        direction,
+        distance: f32::INFINITY,
+        irradiance: Vec3::ZERO,
+    };
+    if shadows.hidden(&sample, point) {
+        return Vec3::ZERO;
+    }
+    let weighted = of_path / (of_path + density);
+    sky.radiance(direction, 0.0) * (weighted * std::f32::consts::PI)
+}
