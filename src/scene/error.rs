@@ -56,8 +56,8 @@ pub enum SceneError {
 }
 
 impl SceneError {
-    /// Whether a file could not be read or is no image (exit code 3), in contrast to a scene
-    /// that cannot be understood (exit code 2).
+    /// Whether a file could not be read or is no image (exit code 3), in
+    /// contrast to a scene that cannot be understood (exit code 2).
     pub fn is_io(&self) -> bool {
         matches!(self, Self::Read { .. } | Self::Image { .. })
     }

@@ -27,7 +27,8 @@ impl Scene {
     /// # Errors
     /// A file that cannot be read ([`SceneError::is_io`]), and whatever cannot
     /// be understood or is out of range, with file, line and what is allowed.
-    /// A missing MTL file and broken faces are [`Scene::warnings`] instead.
+    /// Missing MTL files and textures and broken faces are [`Scene::warnings`]
+    /// instead.
     pub fn load(path: &Path, overrides: &[Override]) -> Result<Self, SceneError> {
         // Unlike the files that it names, it may be a pipe.
         let bytes = std::fs::read(path);

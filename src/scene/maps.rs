@@ -167,3 +167,6 @@ fn uses(mesh: &Mesh, material_count: usize) -> Vec<Uses> {
     }
     uses
 }
+
+#[cfg(test)]
+mod tests;

@@ -7,7 +7,9 @@ use crate::texture::TextureMap;
 /// A diffuse material, with what later stages may need of MTL.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Material {
-    /// MTL name; empty for triangles without a material.
+    /// MTL name; empty for triangles without a material. A material with maps
+    /// has a second of its name, without maps, where some of its triangles lack
+    /// texture coordinates; those with maps have texture coordinates always.
     pub name: String,
     /// Diffuse albedo `Kd` per channel, 0 to 1, linear Rec.709.
     pub albedo: Vec3,

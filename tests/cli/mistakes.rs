@@ -4,7 +4,7 @@
 use std::fs;
 use std::path::Path;
 
-use crate::program::{files_in, relume, run, scene, temporary_folder};
+use crate::program::{Finished, files_in, relume, run, scene, temporary_folder};
 
 /// Exit code of wrong usage and of scenes that cannot be understood.
 const USAGE: i32 = 2;
@@ -158,6 +158,55 @@ fn faults_of_a_scene_file_name_file_and_line() {
     scene_refused("mesh = ", USAGE, &["made.toml:1"]);
     let unreadable = format!("{mesh}{CAMERA}");
     scene_refused(&unreadable, FILE, &["made.toml:1", "missing.obj"]);
+}
+
+/// A triangle with texture coordinates, of a material of `made.mtl`.
+const TRIANGLE: &str = "mtllib made.mtl\nusemtl wood\nv 0 0 0\nv 1 0 0\nv 0 1 0\n\
+                        vt 0 0\nvt 1 0\nvt 0 1\nf 1/1 2/2 3/3\n";
+
+/// Renders [`TRIANGLE`] with this MTL and these lines of the scene file.
+fn render_triangle(mtl: &str, scene: &str) -> Finished {
+    let folder = temporary_folder();
+    let write = |name: &str, text: &str| {
+        fs::write(folder.path().join(name), text).expect("the file can be written");
+    };
+    write("made.obj", TRIANGLE);
+    write("made.mtl", mtl);
+    write(
+        "made.toml",
+        &format!("mesh = \"made.obj\"\n{CAMERA}[bake]\nrays = 16\nmax_edge = 0.2\n{scene}"),
+    );
+    let mut command = relume(&["render", "--no-cache", "--bounces", "0"]);
+    command.arg(folder.path().join("made.toml"));
+    run(command.arg("-o").arg(folder.path().join("frame.png")))
+}
+
+/// Asserts an exit code, and that standard error holds every word.
+#[track_caller]
+fn assert_ends(finished: &Finished, exit_code: i32, words: &[&str]) {
+    assert_eq!(finished.exit_code, Some(exit_code), "{finished:#?}");
+    for word in words {
+        let said = finished.stderr.contains(word);
+        assert!(said, "nothing says {word:?}: {finished:#?}");
+    }
+}
+
+#[test]
+fn images_that_are_missing_or_are_none() {
+    let lost = render_triangle("newmtl wood\nmap_Kd lost.png\n", "");
+    let words = ["warning: ", "made.mtl:2: ", "lost.png", "Kd alone"];
+    assert_ends(&lost, 0, &words);
+    let no_image = render_triangle("newmtl wood\nmap_Kd made.obj\n", "");
+    assert_ends(&no_image, FILE, &["error: ", "made.mtl:2: ", "made.obj"]);
+    let unused = render_triangle("newmtl wood\nnewmtl oak\nmap_Kd made.obj\n", "");
+    assert_ends(&unused, 0, &[]);
+    assert!(!unused.stderr.contains("warning"), "{unused:#?}");
+    let sky = |name: &str| {
+        let light = format!("[[light]]\nkind = \"environment\"\nmap = \"{name}\"\n");
+        render_triangle("newmtl wood\n", &light)
+    };
+    assert_ends(&sky("lost.hdr"), FILE, &["made.toml:12:7", "lost.hdr"]);
+    assert_ends(&sky("made.obj"), USAGE, &["made.toml:12:7", ".exr or .hdr"]);
 }
 
 #[test]

@@ -3,7 +3,7 @@
 
 use serde_json::Value;
 
-use crate::program::{relume, render_box_command, run, scene, succeed, temporary_folder};
+use crate::program::{relume, render_box_command, scene, succeed, temporary_folder};
 
 /// Keys that programs rely on.
 const RENDER_KEYS: [&str; 10] = [

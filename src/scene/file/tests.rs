@@ -226,6 +226,10 @@ fn area_and_environment_lights() {
         panic!("a map")
     };
     assert_eq!(image.path(), Path::new("dir/a/sky.HDR"));
+    let LightKind::Environment(far) = sky("radiance = [1, 1, 1]\nrotation = 1e9").unwrap() else {
+        panic!("an environment")
+    };
+    assert_eq!(far.rotation_deg, 280.0, "whole turns are dropped exactly");
     let missing = sky("map = \"b.hdr\"").unwrap_err();
     assert!(missing.is_io());
     assert!(
@@ -244,6 +248,19 @@ fn area_and_environment_lights() {
     assert!(sky("map = \"sky.exr\"\nradiance = [1, 1, 1]").is_err());
     assert!(sky("").is_err());
     assert!(sky("radiance = [1, 1, 1]\nscale = -1").is_err());
+}
+
+#[test]
+fn a_kind_given_by_set_is_blamed_for_what_it_lacks() {
+    let lamp = "[[light]]\nname = \"lamp\"\nkind = \"point\"\nposition = [0, 1, 0]\n\
+                intensity = [1, 1, 1]\n";
+    let set = |kind: &str| {
+        let kind = format!("light.lamp.kind={kind}");
+        parse(&format!("{HEAD}{lamp}"), &[&kind])
+    };
+    let by_set = "by --set light.lamp.kind";
+    assert_error(set("spot"), "--set light.lamp.kind", &[by_set, "`target`"]);
+    assert_error(set("area"), "dir/s.toml:10:1", &[by_set, "`position`"]);
 }
 
 #[test]

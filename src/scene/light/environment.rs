@@ -26,7 +26,7 @@ pub struct Environment {
     pub radiance: Radiance,
     /// Factor on a map's values.
     pub scale: f32,
-    /// Rotation about up, degrees.
+    /// Rotation about up, degrees, below a turn.
     pub rotation_deg: f32,
 }
 
@@ -53,12 +53,13 @@ impl Environment {
             .take("scale")
             .map_or(Ok(1.0), |item| item.number(0.0..=LARGEST, "from 0 to 1e30"))?;
         let rotation_deg = fields.take("rotation").map_or(Ok(0.0), |item| {
-            item.number(-LARGEST..=LARGEST, "of degrees")
+            item.number(-LARGEST..=LARGEST, "from -1e30 to 1e30 (degrees)")
         })?;
         Ok(Self {
             radiance,
             scale: scale as f32,
-            rotation_deg: rotation_deg as f32,
+            // Whole turns would take the digits of single precision.
+            rotation_deg: (rotation_deg % 360.0) as f32,
         })
     }
 }

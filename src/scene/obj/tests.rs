@@ -73,6 +73,9 @@ fn odd_spellings_mean_the_same() {
         "\tf  1\t2 3  # a comment\r\n",
         "g a name\no another\ns off\nf 1/ 2// 3\n",
         "f 1 \\\n 2 3\n",
+        "f 1 2 3\\",
+        "f 1 2 3# a comment\n",
+        "# C:\\models\\\nf 1 2 3\n",
         "p 1 2\nl 1 2 3\nf 1 2 3",
         "usemtl\nf 1 2 3",
     ] {
@@ -288,6 +291,29 @@ fn unknown_materials_and_files_are_warnings() {
     assert_eq!(loaded.warnings.len(), 2, "{:?}", loaded.warnings);
     assert!(loaded.warnings[0].starts_with("a.obj:1: cannot read the material file"));
     assert!(loaded.warnings[1].starts_with("a.obj:7: usemtl names"));
+}
+
+#[test]
+fn materials_without_any_mtl_file() {
+    let loaded = mesh("usemtl a\nf 1 2 3\n");
+    assert_eq!(
+        loaded.warnings,
+        [
+            "a.obj:6: usemtl names \"a\", but the file names no MTL file (mtllib); grey of albedo 0.8 is used"
+        ]
+    );
+}
+
+#[test]
+fn mtl_files_are_counted_and_found_in_any_spelling() {
+    let text = format!(
+        "mtllib x.mtl\nmtllib y.mtl\nmtllib A B.MTL # ours\n{VERTICES}usemtl a # b\nf 1 2 3\n"
+    );
+    let loaded = load_as(&text, Some("newmtl a\nKd 1 0 0\n"), Normals::File).unwrap();
+    assert_eq!(loaded.materials[0].albedo, Vec3::X);
+    assert_eq!(loaded.warnings.len(), 1, "{:?}", loaded.warnings);
+    assert!(loaded.warnings[0].starts_with("a.obj:1: cannot read the material file x.mtl ("));
+    assert!(loaded.warnings[0].ends_with("(2 in all, the first one here)"));
 }
 
 #[test]
