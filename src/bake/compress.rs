@@ -4,6 +4,7 @@
 use super::basis::Basis;
 use super::rows::{FINE_BAND, GroupRows};
 use super::transfer::{GROUP, GroupTransfer};
+use super::witnesses::Witnesses;
 
 /// Share of a row's budget that goes to the near field: an eighth to a fifth
 /// is best, a half is worse than none (decision 4 of the design).
@@ -39,6 +40,8 @@ pub(super) struct Compressor<'a> {
     pub(super) basis: &'a Basis,
     /// sigma_k: RMS over prior lights of the light's coefficient.
     pub(super) sigma: &'a [f32],
+    /// What makes some partitions matter more to one group than to another.
+    pub(super) witnesses: Option<&'a Witnesses>,
     /// d = S^T 1.
     pub(super) constant: &'a [f32],
     pub(super) budget: Budget,
@@ -49,6 +52,8 @@ pub(super) struct Scratch {
     coefficients: Vec<[f32; GROUP]>,
     /// Parts that the current group receives from, ascending.
     parts: Vec<u32>,
+    /// sigma_k^2 as the current group has it; of functions of these parts.
+    importance: Vec<f32>,
 }
 
 impl Scratch {
@@ -56,6 +61,7 @@ impl Scratch {
         Self {
             coefficients: vec![[0.0; GROUP]; basis.function_count()],
             parts: Vec::new(),
+            importance: vec![0.0; basis.function_count()],
         }
     }
 }
@@ -72,9 +78,10 @@ impl Compressor<'_> {
     pub(super) fn scores(&self, transfer: &GroupTransfer, scratch: &mut Scratch) -> Vec<f32> {
         let split = self.split(transfer);
         self.project(&split.remainder, scratch);
+        self.weigh(transfer, scratch);
         let scores = self
             .touched(scratch)
-            .map(|k| self.score(k, &scratch.coefficients[k]))
+            .map(|k| score(k, scratch))
             .filter(|&s| s > 0.0)
             .collect();
         self.clear(scratch);
@@ -90,6 +97,7 @@ impl Compressor<'_> {
     ) -> GroupRows {
         let split = self.split(transfer);
         self.project(&split.remainder, scratch);
+        self.weigh(transfer, scratch);
         let mut rows = GroupRows::default();
         let near_sums = quantise_near(&split.near, &mut rows);
         let mut target = transfer.arrived;
@@ -101,7 +109,7 @@ impl Compressor<'_> {
         }
         let mut kept: Vec<u32> = self
             .touched(scratch)
-            .filter(|&k| self.score(k, &scratch.coefficients[k]) >= threshold)
+            .filter(|&k| score(k, scratch) >= threshold)
             .map(|k| k as u32)
             .collect();
         self.keep_constants(&target, &mut kept, scratch);
@@ -165,9 +173,22 @@ impl Compressor<'_> {
             .flat_map(|part| self.basis.function_range(part))
     }
 
-    fn score(&self, k: usize, coefficients: &[f32; GROUP]) -> f32 {
-        let squares = coefficients.iter().fold(0.0, |sum, c| sum + c * c);
-        squares * self.sigma[k] * self.sigma[k]
+    /// How much each function matters to the group.
+    fn weigh(&self, transfer: &GroupTransfer, scratch: &mut Scratch) {
+        let square = |k: usize| self.sigma[k] * self.sigma[k];
+        for &part in &scratch.parts {
+            for k in self.basis.function_range(part) {
+                scratch.importance[k] = square(k);
+            }
+        }
+        let weights = self
+            .witnesses
+            .map(|witnesses| witnesses.weights(self.basis, transfer));
+        for (part, weight) in weights.into_iter().flatten() {
+            for k in self.basis.function_range(part) {
+                scratch.importance[k] = square(k) * weight;
+            }
+        }
     }
 
     fn clear(&self, scratch: &mut Scratch) {
@@ -275,6 +296,14 @@ impl Compressor<'_> {
             }
         }
     }
+}
+
+/// Sum over the group of (c sigma)^2.
+fn score(k: usize, scratch: &Scratch) -> f32 {
+    let squares = scratch.coefficients[k]
+        .iter()
+        .fold(0.0, |sum, c| sum + c * c);
+    squares * scratch.importance[k]
 }
 
 fn quantise(values: &[f32; GROUP], steps: &[f32; GROUP], band: f32) -> [i8; GROUP] {

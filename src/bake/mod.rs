@@ -36,6 +36,7 @@ mod stats;
 mod subspace;
 mod transfer;
 mod window;
+mod witnesses;
 
 use rayon::prelude::*;
 use thiserror::Error;
@@ -48,6 +49,7 @@ use operator::sampled_rows;
 use partition::{PartitionSettings, partition};
 use rows::Rows;
 use sky::Sky;
+use witnesses::Witnesses;
 
 pub(crate) use cache::{CacheOutcome, load_or_bake};
 pub use run::{Progress, RunSettings, Silent};
@@ -73,6 +75,32 @@ pub(crate) struct Bake {
     stats: BakeStats,
 }
 
+/// Which functions matter.
+struct Importance {
+    /// sigma_k: RMS over prior lights of the light's coefficient.
+    sigma: Vec<f32>,
+    /// What some of these lights do to each partition.
+    witnesses: Witnesses,
+}
+
+impl Importance {
+    fn of(surface: &Surface, run: &RunSettings, basis: &Basis) -> Result<Self, BakeError> {
+        let mut excitation = Excitation::new(basis);
+        let mut witnesses = Witnesses::new(basis);
+        let take = |light: prior::Prior, brightness: &[f32]| {
+            excitation.add(basis, run.level, brightness);
+            if light.is_witness {
+                witnesses.add(basis, brightness);
+            }
+        };
+        let light_count = prior::for_each(surface, run, take).ok_or(BakeError::Cancelled)?;
+        Ok(Self {
+            sigma: excitation.sigma(light_count),
+            witnesses,
+        })
+    }
+}
+
 /// Why there is no bake.
 #[derive(Debug, Error)]
 pub enum BakeError {
@@ -94,11 +122,8 @@ impl Bake {
         run: &RunSettings,
     ) -> Result<Self, BakeError> {
         let basis = spectral_basis(surface, settings, run)?;
-        let mut sigma = Excitation::new(&basis);
-        let add = |brightness: &[f32]| sigma.add(&basis, run.level, brightness);
-        let light_count = prior::for_each(surface, run, add).ok_or(BakeError::Cancelled)?;
-        let sigma = sigma.sigma(light_count);
-        let (rows, sky, stats) = sampled_rows(surface, settings, run, &basis, &sigma)?;
+        let importance = Importance::of(surface, run, &basis)?;
+        let (rows, sky, stats) = sampled_rows(surface, settings, run, &basis, &importance)?;
         let mut bake = Self {
             backs,
             open_points,

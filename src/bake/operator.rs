@@ -9,7 +9,7 @@ use super::rows::{GroupRows, Rows};
 use super::sky::{self, Sky};
 use super::stats::{BakeStats, GroupStats};
 use super::transfer::{self, GROUP, GroupTransfer, Sampling, sample_group};
-use super::{BakeError, BakeSettings, RunSettings};
+use super::{BakeError, BakeSettings, Importance, RunSettings};
 use crate::surface::Surface;
 
 /// Groups that the thresholds are chosen from, spread evenly over the scene.
@@ -22,7 +22,7 @@ pub(super) fn sampled_rows(
     settings: &BakeSettings,
     run: &RunSettings,
     basis: &Basis,
-    sigma: &[f32],
+    importance: &Importance,
 ) -> Result<(Rows, Option<Sky>, BakeStats), BakeError> {
     let sampling = Sampling {
         surface,
@@ -33,7 +33,8 @@ pub(super) fn sampled_rows(
     let constant = basis.constant(run.level);
     let compressor = Compressor {
         basis,
-        sigma,
+        sigma: &importance.sigma,
+        witnesses: Some(&importance.witnesses),
         constant: &constant,
         budget: Budget::of(settings.coefficients),
     };
@@ -45,6 +46,7 @@ pub(super) fn sampled_rows(
     let sky_compressor = Compressor {
         basis: &sky_basis,
         sigma: &sky_sigma,
+        witnesses: None,
         constant: &sky_constant,
         budget: Budget::of(sky::COEFFICIENTS),
     };

@@ -2,11 +2,13 @@
 //! general. Made by the bake with a seed of its own, never the scene's lights.
 
 use glam::Vec3;
+use rayon::prelude::*;
 
-use super::RunSettings;
+use super::{RunSettings, sky};
 use crate::maths::functions::{exp, ln};
 use crate::maths::hash::uniform;
-use crate::maths::sampling::{pick, sphere_direction};
+use crate::maths::sampling::{cosine_direction, mirrored_above, pick, sphere_direction};
+use crate::maths::sobol::ScrambledSobol;
 use crate::scene::PlacedLight;
 use crate::simd::Level;
 use crate::surface::{Ray, Surface, direct, offset_origin};
@@ -23,6 +25,15 @@ const FARTHEST: f64 = 0.5;
 /// Share of the way to the next surface at which a prior light stays in front
 /// of it.
 const INSIDE_FREE_SPACE: f32 = 0.9;
+/// Of so many lights one is a witness; with the skies and the constant light
+/// these are 40.
+const WITNESS_STRIDE: usize = 8;
+/// Prior skies, in an open scene.
+const SKIES: usize = 7;
+/// Rays a vertex that look for the prior skies.
+const SKY_RAYS: u32 = 64;
+/// Seed of these rays.
+const SKY_SEED: u32 = 0x5ce1;
 /// Seed that chooses.
 const CHOOSING_SEED: u32 = 0x11947;
 /// Seed that reports.
@@ -106,39 +117,99 @@ fn free_point(
     origin + towards * if distance < reach { distance } else { reach }
 }
 
+/// A prior light as it is handed over.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Prior {
+    /// Whether it is one of the few that every group of receivers asks.
+    pub(super) is_witness: bool,
+}
+
 /// Irradiance of every prior light at the vertices (albedo 1), each scaled to
-/// RMS 1 and handed over one at a time, the constant light last. Lights that
-/// reach nothing are left out. Returns how many were handed over, or `None` if
-/// the job was stopped.
+/// RMS 1 and handed over one at a time: lights with a place, skies where the
+/// scene is open, and the constant light last. Lights that reach nothing are
+/// left out. Returns how many were handed over, or `None` if the job was
+/// stopped.
 pub(super) fn for_each(
     surface: &Surface,
     run: &RunSettings,
-    mut take: impl FnMut(&[f32]),
+    mut take: impl FnMut(Prior, &[f32]),
 ) -> Option<usize> {
     let mut count = 0;
+    let mut hand_over = |is_witness: bool, mut brightness: Vec<f32>| {
+        if scale_to_rms_1(&mut brightness) {
+            take(Prior { is_witness }, &brightness);
+            count += 1;
+        }
+    };
     let shadows = direct::Shadows::of_surface(surface, run.level);
     let lights = lights(surface, run.level);
     run.progress.stage("prior lights", lights.len() as u64);
-    for light in lights {
+    for (number, light) in lights.into_iter().enumerate() {
         if run.progress.cancelled() {
             return None;
         }
         run.progress.advance(1);
         let irradiance = direct::at_vertices_by_one_point(&shadows, &light);
-        let mut brightness: Vec<f32> = irradiance.iter().map(|e| e.x).collect();
-        let squares: f64 = brightness
-            .iter()
-            .map(|&e| f64::from(e) * f64::from(e))
-            .sum();
-        let rms = (squares / brightness.len() as f64).sqrt();
-        if rms > 0.0 {
-            brightness
-                .iter_mut()
-                .for_each(|e| *e = (f64::from(*e) / rms) as f32);
-            take(&brightness);
-            count += 1;
-        }
+        let is_witness = number % WITNESS_STRIDE == 0;
+        hand_over(is_witness, irradiance.iter().map(|e| e.x).collect());
     }
-    take(&vec![1.0; surface.vertices.len()]);
-    Some(count + 1)
+    for sky in skies(surface, run.level) {
+        hand_over(true, sky);
+    }
+    hand_over(true, vec![1.0; surface.vertices.len()]);
+    Some(count)
+}
+
+/// Returns whether there is any light to scale.
+fn scale_to_rms_1(brightness: &mut [f32]) -> bool {
+    let square = |e: &f32| f64::from(*e) * f64::from(*e);
+    let squares: f64 = brightness.iter().map(square).sum();
+    let rms = (squares / brightness.len() as f64).sqrt();
+    if rms > 0.0 {
+        brightness
+            .iter_mut()
+            .for_each(|e| *e = (f64::from(*e) / rms) as f32);
+    }
+    rms > 0.0
+}
+
+/// Irradiance of prior skies at the vertices, roughly: one that is the same
+/// everywhere, and a bright half of it about each axis. None in a closed scene.
+fn skies(surface: &Surface, level: Level) -> Vec<Vec<f32>> {
+    let axes = [Vec3::X, Vec3::Y, Vec3::Z];
+    let lobes: Vec<Vec3> = axes.iter().flat_map(|&axis| [axis, -axis]).collect();
+    let at_vertices: Vec<[f32; SKIES]> = (0..surface.vertices.len())
+        .into_par_iter()
+        .with_min_len(64)
+        .map(|vertex| {
+            let mut seen = [0.0; SKIES];
+            for direction in escapes(surface, level, vertex) {
+                seen[0] += 1.0 / SKY_RAYS as f32;
+                for (sum, lobe) in seen[1..].iter_mut().zip(&lobes) {
+                    *sum += direction.dot(*lobe).max(0.0) / SKY_RAYS as f32;
+                }
+            }
+            seen
+        })
+        .collect();
+    let escaped: f64 = at_vertices.iter().map(|seen| f64::from(seen[0])).sum();
+    if escaped <= sky::OPEN_SHARE * at_vertices.len() as f64 {
+        return Vec::new();
+    }
+    (0..SKIES)
+        .map(|sky| at_vertices.iter().map(|seen| seen[sky]).collect())
+        .collect()
+}
+
+/// Directions in which cosine-weighted rays of a vertex escape.
+fn escapes(surface: &Surface, level: Level, vertex: usize) -> impl Iterator<Item = Vec3> {
+    let points = ScrambledSobol::new(SKY_SEED, vertex as u32);
+    (0..SKY_RAYS).filter_map(move |index| {
+        let u = points.point(index);
+        let from = surface.sample_point(vertex, [u[0], u[1]]);
+        let about_normal = cosine_direction(from.normal, [u[2], u[3]]);
+        let direction = mirrored_above(about_normal, from.flat_normal);
+        let hit = surface.arrival(level, &from, direction);
+        hit.is_none().then_some(direction)
+    })
 }

@@ -24,7 +24,7 @@ const FUNCTIONS: u32 = 64;
 pub(super) const COEFFICIENTS: u32 = 48;
 /// A scene is open if this share of all rays escapes: through cracks and
 /// T-junctions of a closed one it is at most 1e-4 (the hard cases of geometry).
-const OPEN_SHARE: f64 = 1e-4;
+pub(super) const OPEN_SHARE: f64 = 1e-4;
 /// Prior skies: lobes of these powers of the cosine about so many directions
 /// each. Wide lobes are bright halves of the sky, narrow ones clouds and the
 /// glow about a sun (the sun itself is a light with shadow rays).

@@ -1,7 +1,7 @@
 //! The sky through small windows: more rays for vertices that see little of it,
 //! aimed at the cells of the sky that were found open.
 //!
-//! The estimate stays without bias. The first half of a row's rays says which
+//! The estimate stays without bias. The first halves of a group's rays say which
 //! cells (and their neighbours) are open; those are sampled afresh, cell by
 //! cell. What the second half finds in all other cells counts as it is. Rays of
 //! a first batch say how many each cell gets in a second one, and then count no
@@ -15,10 +15,12 @@ use crate::maths::hash::hash3;
 use crate::maths::sobol::ScrambledSobol;
 use crate::surface::SurfacePoint;
 
-/// Shares of escaping rays between which a row's rays do not find the sky well
-/// by themselves: at 30 % of 1024 rays the sky is known to 1 %, and below one
-/// ray in a thousand it gives no light worth the search.
-const SMALL_SHARE: std::ops::RangeInclusive<f64> = 0.001..=0.3;
+/// Shares of escaping rays of a group between which a row's rays do not find the
+/// sky well by themselves: at 30 % of 1024 rays the sky is known to 1 %, and
+/// below two of a group's 8192 rays there is nothing to aim at. (With a limit of
+/// one ray in a thousand, the far wall of a room with a small window was
+/// mottled.)
+const SMALL_SHARE: std::ops::RangeInclusive<f64> = 0.0002..=0.3;
 /// Standard error under a constant sky that is good enough, relative.
 const GOOD_ENOUGH: f64 = 0.03;
 /// Most rays, times those of a row, pilot rays and first batch included.
@@ -36,9 +38,9 @@ const SEEDS: [u32; 2] = [0x5c11, 0x5c12];
 /// A ray of a row that escaped: its number and its cell.
 pub(super) type Escape = (u32, u16);
 
-/// Whether a row's own rays tell too little of the sky, `share` of which escape.
-pub(super) fn needs_aim(sampling: &Sampling, escapes: &[Escape], share: f64) -> bool {
-    SMALL_SHARE.contains(&share) && relative_error(sampling.rays, escapes) > GOOD_ENOUGH
+/// Whether a row's own rays tell too little of the sky.
+pub(super) fn needs_aim(rays: u32, escapes: &[Escape]) -> bool {
+    escapes.is_empty() || relative_error(rays, escapes) > GOOD_ENOUGH
 }
 
 /// Standard error of the number of escapes, relative, by the spread between
@@ -55,43 +57,64 @@ fn relative_error(rays: u32, escapes: &[Escape]) -> f64 {
     variance_of_mean.sqrt() / mean
 }
 
-/// Shares of a vertex's rays that escape into each cell (cell, share), better
-/// than its row's own rays tell. Shares count all rays, those too that met the
-/// inside of a body.
-pub(super) fn aimed_shares(
-    sampling: &Sampling,
-    vertex: u32,
-    escapes: &[Escape],
-) -> Vec<(u32, f32)> {
-    let half = sampling.rays / 2;
-    let cells = open_cells(escapes, half);
-    let even = (sampling.rays as usize).div_ceil(cells.len().max(1)) as u32;
-    let first = Batch::trace(sampling, vertex, &cells, SEEDS[0], |_| even);
-    let batch = match first.wanted_rays() {
-        None => first,
-        Some(wanted) => {
-            let most = f64::from(sampling.rays) * f64::from(MOST_BATCHES - 2);
-            let counts = first.allotted(wanted.min(most).max(f64::from(sampling.rays)));
-            Batch::trace(sampling, vertex, &cells, SEEDS[1], |k| counts[k])
-        }
-    };
-    let mut shares: Vec<(u32, f32)> = cells
-        .iter()
-        .zip(&batch.cells)
-        .map(|(&cell, found)| (u32::from(cell), found.mean() as f32))
-        .collect();
-    let elsewhere = escapes
-        .iter()
-        .filter(|(index, cell)| *index >= half && cells.binary_search(cell).is_err());
-    let weight = 1.0 / (sampling.rays - half) as f32;
-    shares.extend(elsewhere.map(|&(_, cell)| (u32::from(cell), weight)));
-    shares
+/// The cells of the sky in which a group of neighbours should look, ascending.
+pub(super) struct Window {
+    cells: Vec<u16>,
+    /// Rays of a row whose escapes chose the cells.
+    half: u32,
+}
+
+impl Window {
+    /// The window of a group from the escapes of its rows; `in_the_open` of all
+    /// rays count. `None` where the group sees so much of the sky, or so little,
+    /// that its own rays will do.
+    pub(super) fn of(rays: u32, escapes: &[Vec<Escape>], in_the_open: u32) -> Option<Self> {
+        let escaped: usize = escapes.iter().map(Vec::len).sum();
+        let share = escaped as f64 / f64::from(in_the_open.max(1));
+        let half = rays / 2;
+        SMALL_SHARE.contains(&share).then(|| Self {
+            cells: open_cells(escapes, half),
+            half,
+        })
+    }
+
+    /// Shares of a vertex's rays that escape into each cell (cell, share),
+    /// better than its row's own rays tell. Shares count all rays, those too
+    /// that met the inside of a body.
+    pub(super) fn aimed_shares(
+        &self,
+        sampling: &Sampling,
+        vertex: u32,
+        escapes: &[Escape],
+    ) -> Vec<(u32, f32)> {
+        let cells = &self.cells;
+        let even = (sampling.rays as usize).div_ceil(cells.len().max(1)) as u32;
+        let first = Batch::trace(sampling, vertex, cells, SEEDS[0], |_| even);
+        let batch = match first.wanted_rays() {
+            None => first,
+            Some(wanted) => {
+                let most = f64::from(sampling.rays) * f64::from(MOST_BATCHES - 2);
+                let counts = first.allotted(wanted.min(most).max(f64::from(sampling.rays)));
+                Batch::trace(sampling, vertex, cells, SEEDS[1], |k| counts[k])
+            }
+        };
+        let found = cells.iter().zip(&batch.cells);
+        let mut shares: Vec<(u32, f32)> = found
+            .map(|(&cell, found)| (u32::from(cell), found.mean() as f32))
+            .collect();
+        let elsewhere = escapes
+            .iter()
+            .filter(|(index, cell)| *index >= self.half && cells.binary_search(cell).is_err());
+        let weight = 1.0 / (sampling.rays - self.half) as f32;
+        shares.extend(elsewhere.map(|&(_, cell)| (u32::from(cell), weight)));
+        shares
+    }
 }
 
 /// The cells that the first rays found open, with their neighbours, ascending.
-fn open_cells(escapes: &[Escape], half: u32) -> Vec<u16> {
+fn open_cells(escapes: &[Vec<Escape>], half: u32) -> Vec<u16> {
     let mut is_open = [false; CELL_COUNT];
-    for &(_, cell) in escapes.iter().filter(|(index, _)| *index < half) {
+    for &(_, cell) in escapes.iter().flatten().filter(|(index, _)| *index < half) {
         is_open[usize::from(cell)] = true;
         for other in neighbours(usize::from(cell)) {
             is_open[other] = true;
