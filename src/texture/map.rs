@@ -7,9 +7,10 @@ use glam::Vec2;
 use glam::Vec3;
 
 use super::TextureError;
-use super::footprint::{Footprint, Grid, Texels};
+use super::grid::{Footprint, Grid, Region, Texels, floor};
 use super::image_file::{self, LINEAR_FROM_LEVEL, Pixels};
 use super::pyramid::{Level, coarser_levels, strip_area};
+use super::{parts, slabs};
 
 /// How a texture is read between texel centres.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -168,47 +169,75 @@ impl TextureMap {
 
     fn point_of<T: Texels>(&self, texels: &T, at: &Footprint, filter: TextureFilter) -> Vec3 {
         let grid = self.finest_grid(texels);
-        match filter {
-            TextureFilter::Bilinear => grid.bilinear(at.middle),
-            TextureFilter::Nearest => grid.nearest(at.middle),
-        }
+        parts::mean(&grid, &at.among(grid.size), [1; 2], filter)
     }
 
     fn mean_of<T: Texels>(&self, texels: &T, over: &Footprint, filter: TextureFilter) -> Vec3 {
         let grid = self.finest_grid(texels);
-        let within_texels = match filter {
-            TextureFilter::Bilinear => grid.magnified_mean(over),
-            TextureFilter::Nearest => grid.only_texel(over),
-        };
-        if let Some(mean) = within_texels {
-            return mean;
+        let region = over.among(grid.size);
+        if is_magnified(&region, filter) {
+            return parts::mean(&grid, &region, [1; 2], filter);
         }
-        let choice = over.choice(grid.size);
-        let mean_at = |octave: i32| match (octave, filter) {
-            (..0, TextureFilter::Bilinear) => grid.divided_mean(over, octave),
-            (..=0, _) => grid.covered_mean(over),
-            (1.., _) => self.coarse_mean_of(&grid, over, octave),
+        let lengths = region.edges.map(|edge| edge.length());
+        let side = match filter {
+            TextureFilter::Bilinear => BILINEAR_PART,
+            TextureFilter::Nearest => NEAREST_PART,
         };
-        let mean = mean_at(choice.octave);
-        // All octaves below are one level to the nearest filter.
-        let is_last_step = filter == TextureFilter::Nearest && choice.octave < 0;
-        if choice.next_share == 0.0 || is_last_step {
-            return mean;
+        let [wide, high] = lengths.map(|length| (length / side).max(1.0));
+        let many = ((wide * high - PARTS[0]) / (PARTS[1] - PARTS[0])).max(0.0);
+        if many < 1.0 {
+            let counts = [wide, high].map(|count| floor(count + 0.5));
+            let mean = parts::mean(&grid, &region, counts, filter);
+            if many == 0.0 {
+                return mean;
+            }
+            return mean + (self.mean_of_cells(&grid, over, &region, filter) - mean) * many;
         }
-        mean + (mean_at(choice.octave + 1) - mean) * choice.next_share
+        self.mean_of_cells(&grid, over, &region, filter)
     }
 
-    fn coarse_mean_of<T: Texels>(&self, finest: &Grid<T>, over: &Footprint, octave: i32) -> Vec3 {
-        let index = (octave as usize).min(self.texture.coarser.len());
-        let Some(level) = index.checked_sub(1).map(|i| &self.texture.coarser[i]) else {
-            return finest.covered_mean(over);
+    fn mean_of_cells<T: Texels>(
+        &self,
+        finest: &Grid<T>,
+        over: &Footprint,
+        region: &Region,
+        filter: TextureFilter,
+    ) -> Vec3 {
+        let (level, next_share) = level_for(region);
+        let mean = self.level_mean(finest, over, level, filter);
+        if next_share == 0.0 {
+            return mean;
+        }
+        mean + (self.level_mean(finest, over, level + 1, filter) - mean) * next_share
+    }
+
+    fn level_mean<T: Texels>(
+        &self,
+        finest: &Grid<T>,
+        over: &Footprint,
+        level: usize,
+        filter: TextureFilter,
+    ) -> Vec3 {
+        // A bilinear texel is a box run over by another of its width.
+        let blur = match filter {
+            TextureFilter::Bilinear => [1.414_213_5, 1.118_034, 1.030_776_4, 1.0][level.min(3)],
+            TextureFilter::Nearest => 1.0,
         };
+        if level == 0 {
+            return slabs::mean(finest, &over.among(finest.size), blur);
+        }
+        let Some(level) = self.texture.coarser.get(level - 1) else {
+            return self.texture.mean_color();
+        };
+        if level.texels.len() == 1 {
+            return level.texels[0];
+        }
         let grid = Grid {
             size: level.size,
             texels: &level.texels,
             clamp: self.clamp,
         };
-        grid.covered_mean(over)
+        slabs::mean(&grid, &over.among(grid.size), blur)
     }
 
     /// A footprint of the mesh in the image; none if it is not finite.
@@ -237,6 +266,49 @@ impl TextureMap {
             along_y,
         })
     }
+}
+
+const BILINEAR_PART: f32 = 1.0;
+const NEAREST_PART: f32 = 0.5;
+const PARTS: [f32; 2] = [12.0, 16.0];
+const WIDTH_SHARE: f32 = 0.3;
+const LENGTH_SHARE: f32 = 1.0 / 48.0;
+const BLEND_FROM: f32 = 1.6;
+const BOX_EXTENT: f32 = 0.75;
+const BOX_COVARIANCE: f32 = 0.004;
+const POINT_EXTENT: f32 = 0.01;
+
+fn is_magnified(region: &Region, filter: TextureFilter) -> bool {
+    let [a, b] = region.edges;
+    let extent = a.abs() + b.abs();
+    match filter {
+        TextureFilter::Bilinear => {
+            let covariance = (a.x * a.y + b.x * b.y) / 12.0;
+            extent.max_element() < BOX_EXTENT && covariance.abs() < BOX_COVARIANCE
+        }
+        TextureFilter::Nearest => {
+            let half = extent * 0.5;
+            let inside = |place: f32, half: f32| place >= half && place + half <= 1.0;
+            extent.max_element() < POINT_EXTENT
+                || (inside(region.middle.x, half.x) && inside(region.middle.y, half.y))
+        }
+    }
+}
+
+/// The level for a region of texels, and the share of the next one.
+fn level_for(region: &Region) -> (usize, f32) {
+    let [a, b] = region.edges;
+    let length = a.length_squared().max(b.length_squared()).sqrt();
+    let area = a.perp_dot(b).abs();
+    let width = area / length;
+    let cell = (WIDTH_SHARE * (width * area.sqrt()).sqrt()).max(LENGTH_SHARE * length);
+    if cell < 1.0 {
+        return (0, 0.0);
+    }
+    // The float's own exponent and mantissa.
+    let level = (cell.to_bits() >> 23) as usize - 127;
+    let within = f32::from_bits(cell.to_bits() & 0x7f_ffff | 0x3f80_0000);
+    (level, ((within - BLEND_FROM) / (2.0 - BLEND_FROM)).max(0.0))
 }
 
 /// What is left of a number above its largest whole part, 0..1.
