@@ -6,7 +6,7 @@
 
 mod environment;
 mod error;
-mod exr_header;
+mod exr_file;
 mod grid;
 mod image_file;
 mod jpeg;

@@ -8,10 +8,23 @@ use glam::Vec2;
 use glam::Vec3;
 
 use super::TextureFilter;
-use super::grid::{Grid, Region, Texels, floor};
+use super::grid::{Grid, Region, Sum, Texels, floor};
 
 /// Shares of three texels from the first on.
 type Shares = (i32, [f32; 3]);
+
+/// Mean over the region as one box.
+#[inline]
+pub(super) fn whole_mean<T: Texels>(
+    grid: &Grid<'_, T>,
+    region: &Region,
+    filter: TextureFilter,
+) -> Vec3 {
+    let mut sum = Sum::default();
+    let widths = box_widths(region.edges);
+    add_box(&mut sum, grid, region.cell, region.middle, widths, filter);
+    sum.colour()
+}
 
 /// Mean over the region in `counts` parts along its edges.
 pub(super) fn mean<T: Texels>(
@@ -20,58 +33,56 @@ pub(super) fn mean<T: Texels>(
     counts: [i32; 2],
     filter: TextureFilter,
 ) -> Vec3 {
-    match filter {
-        TextureFilter::Bilinear => mean_by(grid, region, counts, bilinear_shares),
-        TextureFilter::Nearest => mean_by(grid, region, counts, nearest_shares),
-    }
-}
-
-#[inline]
-fn mean_by<T: Texels>(
-    grid: &Grid<'_, T>,
-    region: &Region,
-    counts: [i32; 2],
-    shares: impl Fn(f32, f32) -> Shares,
-) -> Vec3 {
     let [a, b] = [0, 1].map(|i| region.edges[i] / counts[i] as f32);
-    let widths = Vec2::new(
-        (a.x * a.x + b.x * b.x).sqrt(),
-        (a.y * a.y + b.y * b.y).sqrt(),
-    );
+    let widths = box_widths([a, b]);
     let first = region.middle - (region.edges[0] - a) * 0.5 - (region.edges[1] - b) * 0.5;
-    let mut mean = Vec3::ZERO;
+    let mut sum = Sum::default();
     for j in 0..counts[1] {
         let row = first + b * j as f32;
         for i in 0..counts[0] {
             let place = row + a * i as f32;
-            mean += box_mean(
-                grid,
-                region.cell,
-                shares(place.x, widths.x),
-                shares(place.y, widths.y),
-            );
+            add_box(&mut sum, grid, region.cell, place, widths, filter);
         }
     }
-    mean / (counts[0] * counts[1]) as f32
+    sum.mean()
+}
+
+/// Sides of the upright box with the second moments of a parallelogram.
+#[inline]
+fn box_widths([a, b]: [Vec2; 2]) -> Vec2 {
+    Vec2::new(
+        (a.x * a.x + b.x * b.x).sqrt(),
+        (a.y * a.y + b.y * b.y).sqrt(),
+    )
 }
 
 #[inline]
-fn box_mean<T: Texels>(
+fn add_box<T: Texels>(
+    sum: &mut Sum,
     grid: &Grid<'_, T>,
     cell: [i32; 2],
-    (column, column_shares): Shares,
-    (row, row_shares): Shares,
-) -> Vec3 {
-    // The last texel of three is rarely reached.
-    let width = if column_shares[2] != 0.0 { 3 } else { 2 };
-    let height = if row_shares[2] != 0.0 { 3 } else { 2 };
+    place: Vec2,
+    widths: Vec2,
+    filter: TextureFilter,
+) {
+    let [(column, column_shares), (row, row_shares)] = match filter {
+        TextureFilter::Bilinear => [0, 1].map(|axis| bilinear_shares(place[axis], widths[axis])),
+        TextureFilter::Nearest => [0, 1].map(|axis| nearest_shares(place[axis], widths[axis])),
+    };
     let [column, row] = [column + cell[0], row + cell[1]];
-    let mut mean = Vec3::ZERO;
-    for i in 0..height {
-        let start = grid.row_start(row + i as i32);
-        mean += grid.row_sum(start, column, &column_shares[..width]) * row_shares[i];
+    let [left, middle, right] = column_shares;
+    for (i, share) in row_shares.into_iter().enumerate() {
+        if i == 2 && share == 0.0 {
+            return;
+        }
+        let at = [column, row + i as i32];
+        // The last texel of three is rarely reached.
+        if right == 0.0 {
+            grid.add_row(sum, at, [left * share, middle * share]);
+        } else {
+            grid.add_row(sum, at, [left * share, middle * share, right * share]);
+        }
     }
-    mean
 }
 
 /// Shares in the mean of the linear interpolation over `width` about `place`
@@ -99,9 +110,6 @@ fn bilinear_shares(place: f32, width: f32) -> Shares {
 fn nearest_shares(place: f32, width: f32) -> Shares {
     let start = floor(place - 0.5 * width);
     let beyond = place + 0.5 * width - (start as f32 + 1.0);
-    if beyond <= 0.0 || width == 0.0 {
-        return (start, [1.0, 0.0, 0.0]);
-    }
-    let next = beyond / width;
+    let next = if beyond > 0.0 { beyond / width } else { 0.0 };
     (start, [1.0 - next, next, 0.0])
 }
