@@ -179,7 +179,7 @@ pub(super) fn floor(x: f32) -> i32 {
     rounded.to_bits().wrapping_sub(NO_FRACTION.to_bits()) as i32
 }
 
-/// The same in double precision, below 2^31.
+/// The same in double precision, below 2^51.
 #[inline]
 pub(super) fn floor_f64(x: f64) -> f64 {
     const NO_FRACTION: f64 = 6_755_399_441_055_744.0;

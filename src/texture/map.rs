@@ -209,6 +209,7 @@ impl TextureMap {
     }
 
     /// Colour at a point, of the image alone: what [`Self::mean`] averages.
+    #[cfg(test)]
     pub(crate) fn point(&self, uv: Vec2, filter: TextureFilter) -> Vec3 {
         let Some(footprint) = self.footprint(uv, Vec2::ZERO, Vec2::ZERO) else {
             return self.texture.mean_color();
@@ -224,6 +225,7 @@ impl TextureMap {
         Grid::new(size, texels, self.clamp)
     }
 
+    #[cfg(test)]
     fn point_of<T: Texels>(&self, texels: &T, at: &Footprint, filter: TextureFilter) -> Vec3 {
         let grid = self.finest_grid(texels);
         parts::whole_mean(&grid, &at.among(grid.size), filter)
