@@ -42,7 +42,7 @@ impl PartialEq for EnvironmentMap {
 impl EnvironmentMap {
     /// Decodes the bytes of the file at `path`.
     pub(crate) fn decode(bytes: &[u8], path: &Path) -> Result<Self, TextureError> {
-        let file = image_file::decode(bytes, path)?;
+        let file = image_file::decode_radiance(bytes, path)?;
         let size = file.size.map(|n| n as usize);
         Ok(Self::new(path, size, file.pixels.into_linear()))
     }

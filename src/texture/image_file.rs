@@ -4,7 +4,7 @@
 //! a mislabelled file is found where it is. Every decoder here gives the same
 //! bits on every machine: JPEG is decoded without vector code
 //! ([`jpeg`](super::jpeg)), and EXR files with the lossy DWA compression, whose
-//! decoder picks a transform by processor, are refused ([`exr_header`]).
+//! decoder picks a transform by processor, are refused ([`exr_file`]).
 
 use std::io::Cursor;
 use std::path::Path;
@@ -18,7 +18,7 @@ use image::codecs::png::PngDecoder;
 use image::codecs::tga::TgaDecoder;
 use image::{DynamicImage, ImageDecoder, ImageResult, Limits};
 
-use super::{TextureError, exr_header, jpeg};
+use super::{TextureError, exr_file, jpeg};
 use crate::maths::functions::pow;
 
 /// Most pixels along a side.
@@ -135,6 +135,24 @@ pub(super) fn decode(bytes: &[u8], path: &Path) -> Result<ImageFile, TextureErro
     decode_as(format, bytes).map_err(|fault| error_of(fault, format, path))
 }
 
+/// Decodes the bytes of the file at `path`, which holds radiance: OpenEXR or
+/// Radiance HDR.
+pub(super) fn decode_radiance(bytes: &[u8], path: &Path) -> Result<ImageFile, TextureError> {
+    let refusal = |reason| TextureError::Decode {
+        path: path.to_owned(),
+        reason,
+    };
+    let format = format_of(bytes, path).map_err(refusal)?;
+    if !matches!(format, Format::Exr | Format::Hdr) {
+        return Err(refusal(format!(
+            "a {} file holds colours up to white and no radiance; give an OpenEXR or Radiance HDR \
+             file",
+            format.name()
+        )));
+    }
+    decode_as(format, bytes).map_err(|fault| error_of(fault, format, path))
+}
+
 fn format_of(bytes: &[u8], path: &Path) -> Result<Format, String> {
     const KNOWN: &str = "known are PNG, JPEG, TGA, BMP, OpenEXR and Radiance HDR";
     if bytes.is_empty() {
@@ -191,7 +209,9 @@ fn decode_as(format: Format, bytes: &[u8]) -> Result<ImageFile, Fault> {
         Format::Tga => read(TgaDecoder::new(reader)),
         Format::Bmp => read(BmpDecoder::new(reader)),
         Format::Exr => {
-            exr_header::check(bytes)?;
+            if exr_file::check(bytes)? == exr_file::Channels::Luminance {
+                return exr_file::read_luminance(bytes);
+            }
             read(OpenExrDecoder::with_alpha_preference(reader, Some(false)))
         }
         Format::Hdr => read(HdrDecoder::new(reader)),
@@ -236,7 +256,7 @@ fn read<D: ImageDecoder>(decoder: ImageResult<D>) -> Result<ImageFile, Fault> {
 
 /// A radiance that can be computed with: 0 for what is negative or not a
 /// number, [`MAX_RADIANCE`] for what is above.
-fn defined_radiance(x: f32) -> f32 {
+pub(super) fn defined_radiance(x: f32) -> f32 {
     if x > MAX_RADIANCE {
         MAX_RADIANCE
     } else if x > 0.0 {

@@ -22,17 +22,27 @@ impl From<DecodeErrors> for Fault {
 }
 
 fn options() -> DecoderOptions {
-    // Without the strict mode a file cut short would be filled up in grey. A
-    // JPEG's size has 16 bits, so the limit is ours to check.
+    // The strict mode refuses stray bytes between segments, which other programs
+    // skip. A JPEG's size has 16 bits, so the limit is ours to check.
     DecoderOptions::new_safe()
         .set_use_unsafe(false)
-        .set_strict_mode(true)
+        .set_strict_mode(false)
         .set_max_width(usize::from(u16::MAX))
         .set_max_height(usize::from(u16::MAX))
 }
 
+/// Whether an end of image follows the last start of a scan. What is missing of
+/// a file cut short would be filled up in grey.
+fn is_complete(bytes: &[u8]) -> bool {
+    let last = |mark: [u8; 2]| bytes.windows(2).rposition(|pair| pair == mark);
+    last([0xff, 0xd9]) > last([0xff, 0xda])
+}
+
 /// Decodes a grey or colour JPEG.
 pub(super) fn decode(bytes: &[u8]) -> Result<ImageFile, Fault> {
+    if !is_complete(bytes) {
+        return Err(Fault::Broken("no end of the image".to_owned()));
+    }
     let mut decoder = JpegDecoder::new_with_options(ZCursor::new(bytes), options());
     decoder.decode_headers()?;
     let (width, height) = decoder

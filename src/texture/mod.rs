@@ -4,15 +4,16 @@
 //! a material, and [`EnvironmentMap`], the radiance of the sky. Linear Rec.709
 //! everywhere. The only room that decodes images for scenes.
 
-mod coverage;
 mod environment;
 mod error;
-mod exr_header;
-mod footprint;
+mod exr_file;
+mod grid;
 mod image_file;
 mod jpeg;
 mod map;
+mod parts;
 mod pyramid;
+mod slabs;
 
 pub use environment::EnvironmentMap;
 pub(crate) use environment::Sun;

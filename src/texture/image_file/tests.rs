@@ -152,6 +152,33 @@ fn jpeg_blocks_have_their_levels() {
 }
 
 #[test]
+fn stray_bytes_between_the_segments_of_a_jpeg_are_skipped() {
+    let mut bytes = jpeg_sample();
+    // Behind the table of quantisation, before the frame.
+    let at = 2 + 69;
+    assert_eq!(bytes[at..at + 2], [0xff, 0xc0]);
+    bytes.splice(at..at, [0, 0, 0]);
+    assert_eq!(
+        levels_of(&bytes, "a.jpg"),
+        levels_of(&jpeg_sample(), "a.jpg")
+    );
+}
+
+#[test]
+fn an_exr_of_luminance_is_grey() {
+    use exr::prelude::{AnyChannel, AnyChannels, FlatSamples, Image, SmallVec, WritableImage};
+    let channel = AnyChannel::new("Y", FlatSamples::F32(vec![0.5, 2.0, -1.0]));
+    let channels = AnyChannels::sort(SmallVec::from_vec(vec![channel]));
+    let mut bytes = Cursor::new(Vec::new());
+    Image::from_channels((3, 1), channels)
+        .write()
+        .to_buffered(&mut bytes)
+        .unwrap();
+    let wanted = [0.5, 2.0, 0.0].map(Vec3::splat);
+    assert_eq!(linear_of(bytes.get_ref(), "a.exr"), wanted);
+}
+
+#[test]
 fn content_that_the_name_does_not_promise_is_named() {
     let png = encoded(&color_sample(), ImageFormat::Png);
     let message = refusal(&png, "wall.jpg");

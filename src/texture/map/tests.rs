@@ -4,8 +4,7 @@ use std::time::Instant;
 use super::*;
 use crate::maths::hash::uniform;
 
-/// Points along each axis of a footprint in the brute-force mean. At 16 texels
-/// a side they are a sixth of a texel apart, which leaves 0.3 % at a checker.
+/// Points along each axis of a footprint in the brute-force mean.
 const POINTS: u32 = 160;
 
 /// Uniform in 0..1 by index.
@@ -47,7 +46,9 @@ fn atlas() -> TextureMap {
 fn brute_force(map: &TextureMap, at: [Vec2; 3], filter: TextureFilter) -> Vec3 {
     let mut sum = glam::DVec3::ZERO;
     for i in 0..POINTS * POINTS {
-        let [a, b] = [i % POINTS, i / POINTS].map(|k| (k as f32 + 0.5) / POINTS as f32 - 0.5);
+        // Points in rank and file would beat with the texels of wide footprints.
+        let [a, b] = [(i % POINTS, 0), (i / POINTS, 1)]
+            .map(|(k, axis)| (k as f32 + uniform(3, i, axis)) / POINTS as f32 - 0.5);
         sum += map.point(at[0] + at[1] * a + at[2] * b, filter).as_dvec3();
     }
     (sum / f64::from(POINTS * POINTS)).as_vec3()
@@ -92,37 +93,44 @@ fn relative_error(map: &TextureMap, places: &[[Vec2; 3]], filter: TextureFilter)
 
 const FILTERS: [TextureFilter; 2] = [TextureFilter::Bilinear, TextureFilter::Nearest];
 
+const STRETCHES: [f32; 3] = [1.0, 4.0, 16.0];
+
 #[test]
 fn means_agree_with_brute_force() {
-    /// See the table that `error_and_time` prints: about 0.5 % where texels are
-    /// seen, the most where a footprint holds many of them, at which the truth
-    /// itself varies by little more. What is left is the border inside cells
-    /// that are taken as uniform.
-    const LIMIT: f64 = 0.03;
-    for (name, map) in [
-        ("checker of 1", checker(1)),
-        ("checker of 8", checker(8)),
-        ("atlas", atlas()),
-    ] {
+    /// Measured worst of the atlas: 2.2 % at 8 texels, 1:16, and 1.9 % at 24
+    /// texels, of which a footprint holds 144 blocks, so that the truth itself
+    /// varies by 8 %; else 1.5 %.
+    const LIMIT: f64 = 0.025;
+    /// Of a checker of texels: its nearest image in parts of a texel's size,
+    /// 4.2 % at 0.05 x 0.8.
+    const FINE_CHECKER_LIMIT: f64 = 0.05;
+    for (name, map) in maps() {
+        let limit = if name == "checker of 1" {
+            FINE_CHECKER_LIMIT
+        } else {
+            LIMIT
+        };
         for filter in FILTERS {
-            for (extent, stretch) in [
-                (0.05, 1.0),
-                (0.3, 1.0),
-                (1.0, 1.0),
-                (1.0, 16.0),
-                (3.0, 4.0),
-                (12.0, 1.0),
-                (8.0, 8.0),
-            ] {
-                let places = footprints(&map, extent, stretch, 48);
-                let error = relative_error(&map, &places, filter);
-                assert!(
-                    error < LIMIT,
-                    "{name} {filter:?} {extent} x {stretch}: {error}"
-                );
+            for extent in [0.05, 0.3, 1.0, 2.0, 4.0, 8.0, 11.0, 24.0, 64.0] {
+                for stretch in STRETCHES {
+                    let places = footprints(&map, extent, stretch, 12);
+                    let error = relative_error(&map, &places, filter);
+                    assert!(
+                        error < limit,
+                        "{name} {filter:?} {extent} x {stretch}: {error}"
+                    );
+                }
             }
         }
     }
+}
+
+fn maps() -> [(&'static str, TextureMap); 3] {
+    [
+        ("checker of 1", checker(1)),
+        ("checker of 8", checker(8)),
+        ("atlas", atlas()),
+    ]
 }
 
 #[test]
@@ -130,14 +138,10 @@ fn means_agree_with_brute_force() {
 #[expect(clippy::print_stdout, reason = "the table is what it is for")]
 fn error_and_time() {
     println!("image          filter    texels  1:n   error %   ns");
-    for (name, map) in [
-        ("checker of 1", checker(1)),
-        ("checker of 8", checker(8)),
-        ("atlas", atlas()),
-    ] {
+    for (name, map) in maps() {
         for filter in FILTERS {
-            for extent in [0.05, 0.3, 1.0, 2.0, 4.0, 8.0, 11.0, 24.0] {
-                for stretch in [1.0, 4.0, 16.0] {
+            for extent in [0.05, 0.3, 1.0, 2.0, 4.0, 8.0, 11.0, 24.0, 64.0] {
+                for stretch in STRETCHES {
                     let places = footprints(&map, extent, stretch, 64);
                     let error = 100.0 * relative_error(&map, &places, filter);
                     // The fastest of many rounds: others use the machine too.
