@@ -177,10 +177,8 @@ impl Job<'_> {
             )
             .collect();
         let threshold = |kind: usize, budget: usize| {
-            // Groups that see nothing of a kind spend nothing on it.
-            let spending = scores.iter().filter(|s| !s[kind].is_empty()).count();
             let all = scores.iter().flat_map(|s| s[kind].iter().copied());
-            threshold_of(all.collect(), budget * spending)
+            threshold_of(all.collect(), budget * scores.len())
         };
         [
             threshold(0, self.surfaces.budget.basis),
