@@ -15,6 +15,7 @@ mod eigen;
 mod energy;
 mod excitation;
 mod file;
+mod forecast;
 mod function_shares;
 mod graph;
 mod inertia;
@@ -23,6 +24,7 @@ mod laplacian;
 mod neighbours;
 mod operator;
 mod partition;
+mod pilot;
 mod prior;
 #[cfg(test)]
 mod response_tests;
@@ -49,9 +51,13 @@ use partition::{PartitionSettings, partition};
 use rows::Rows;
 use sky::Sky;
 
-pub(crate) use cache::{CacheOutcome, load_or_bake};
+pub(crate) use cache::{Baked, CacheOutcome, load_or_bake, load_stored};
+pub use forecast::BakeForecast;
+pub(crate) use forecast::forecast;
+pub(crate) use pilot::escaped_share_of_fronts;
 pub use run::{Progress, RunSettings, Silent};
 pub use settings::BakeSettings;
+pub(crate) use sky::OPEN_SHARE;
 pub use stats::BakeStats;
 
 use crate::simd::Level;

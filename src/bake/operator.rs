@@ -13,7 +13,7 @@ use super::{BakeError, BakeSettings, RunSettings};
 use crate::surface::Surface;
 
 /// Groups that the thresholds are chosen from, spread evenly over the scene.
-const PILOT_GROUPS: usize = 256;
+pub(super) const PILOT_GROUPS: usize = 256;
 
 /// Samples and compresses all rows: of the surfaces, and of the sky where the
 /// scene is open.

@@ -19,12 +19,12 @@ use crate::maths::sampling::sphere_direction;
 use crate::simd::Level;
 
 /// Functions over the 384 cells.
-const FUNCTIONS: u32 = 64;
+pub(super) const FUNCTIONS: u32 = 64;
 /// Entries a vertex in the mean, whole cells included.
 pub(super) const COEFFICIENTS: u32 = 48;
 /// A scene is open if this share of all rays escapes: through cracks and
 /// T-junctions of a closed one it is at most 1e-4 (the hard cases of geometry).
-const OPEN_SHARE: f64 = 1e-4;
+pub(crate) const OPEN_SHARE: f64 = 1e-4;
 /// Prior skies: lobes of these powers of the cosine about so many directions
 /// each. Wide lobes are bright halves of the sky, narrow ones clouds and the
 /// glow about a sun (the sun itself is a light with shadow rays).

@@ -103,6 +103,16 @@ impl Texture {
         self.size
     }
 
+    /// Bytes in memory, smaller copies included.
+    pub fn bytes(&self) -> usize {
+        let finest = match &self.finest {
+            Finest::Levels(encoded) => size_of_val(encoded.levels.as_slice()),
+            Finest::Linear(values) => size_of_val(values.as_slice()),
+        };
+        let coarser = self.coarser.iter().map(Level::bytes);
+        finest + coarser.sum::<usize>()
+    }
+
     /// Mean colour, linear.
     pub(crate) fn mean_color(&self) -> Vec3 {
         match (self.coarser.last(), &self.finest) {
