@@ -40,14 +40,15 @@ mod simd;
 mod surface;
 mod texture;
 
-pub use bake::{BakeError, BakeSettings, BakeStats, Progress, RunSettings, Silent};
+pub use bake::{BakeError, BakeForecast, BakeSettings, BakeStats, Progress, RunSettings, Silent};
 pub use frame::{
     Difference, EncodedImage, Image, ImageSizeError, SizeMismatch, compare, count_beyond,
 };
 pub use output::{LoadedImage, OutputError, Picture, check_format, read_image, write_picture};
 pub use relight::{
-    BakeFigures, BounceError, COMPONENTS, Component, Frame, FrameSettings, RenderError, Renderer,
-    SceneFigures, Stages, develop,
+    BakeFigures, BounceError, COMPONENTS, Component, Frame, FrameSettings, ImageCounts,
+    LightCounts, Outlook, RenderError, Renderer, SceneContents, SceneFigures, SkyView, Stages,
+    develop,
 };
 pub use scene::{
     Animation, Area, BakeKeys, Bounces, Camera, Directional, Environment, GoldenKeys, Light,

@@ -1,7 +1,7 @@
 //! The bake from the cache folder, or a new one that goes there.
 
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use super::file::{decode, encode};
 use super::key::BakeKey;
@@ -39,23 +39,10 @@ pub(crate) fn load_or_bake(
     let key = BakeKey::of(surface, settings);
     let path = folder.map(|folder| folder.join(key.file_name()));
     let mut warnings = Vec::new();
-    if let Some(path) = &path {
-        match read(path, &key, surface) {
-            Ok(Some((bake, file_bytes))) => {
-                surface.add_backs(bake.backs());
-                surface
-                    .vertices
-                    .set_open_points(bake.open_points().to_vec());
-                return Ok(Baked {
-                    bake,
-                    outcome: CacheOutcome::Hit,
-                    file_bytes,
-                    warnings,
-                });
-            }
-            Ok(None) => {}
-            Err(problem) => warnings.push(format!("{}: {problem}; baking anew", path.display())),
-        }
+    match load(surface, &key, path.as_deref()) {
+        Ok(Some(baked)) => return Ok(baked),
+        Ok(None) => {}
+        Err(problem) => warnings.push(format!("{problem}; baking anew")),
     }
     let bake = bake(surface, settings, run)?;
     let bytes = encode(&bake, &key);
@@ -75,8 +62,44 @@ pub(crate) fn load_or_bake(
     })
 }
 
+/// Takes the bake of a surface (whose back sides do not exist yet) from the
+/// folder and adds the back sides; `None`, and the surface as it was, where
+/// there is no bake. A file that cannot be used is an error that names it.
+pub(crate) fn load_stored(
+    surface: &mut Surface,
+    settings: &BakeSettings,
+    folder: Option<&Path>,
+) -> Result<Option<Baked>, String> {
+    let key = BakeKey::of(surface, settings);
+    let path = folder.map(|folder| folder.join(key.file_name()));
+    load(surface, &key, path.as_deref())
+}
+
+fn load(
+    surface: &mut Surface,
+    key: &BakeKey,
+    path: Option<&Path>,
+) -> Result<Option<Baked>, String> {
+    let Some(path) = path else {
+        return Ok(None);
+    };
+    let found = read(path, key, surface).map_err(|e| format!("{}: {e}", path.display()))?;
+    Ok(found.map(|(bake, file_bytes)| {
+        surface.add_backs(bake.backs());
+        surface
+            .vertices
+            .set_open_points(bake.open_points().to_vec());
+        Baked {
+            bake,
+            outcome: CacheOutcome::Hit,
+            file_bytes,
+            warnings: Vec::new(),
+        }
+    }))
+}
+
 /// The bake at a path; `None` where there is no file.
-fn read(path: &PathBuf, key: &BakeKey, surface: &Surface) -> Result<Option<(Bake, usize)>, String> {
+fn read(path: &Path, key: &BakeKey, surface: &Surface) -> Result<Option<(Bake, usize)>, String> {
     let bytes = match std::fs::read(path) {
         Ok(bytes) => bytes,
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(None),

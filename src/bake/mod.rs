@@ -15,6 +15,7 @@ mod eigen;
 mod energy;
 mod excitation;
 mod file;
+mod forecast;
 mod function_shares;
 mod graph;
 mod inertia;
@@ -23,6 +24,7 @@ mod laplacian;
 mod neighbours;
 mod operator;
 mod partition;
+mod pilot;
 mod prior;
 #[cfg(test)]
 mod response_tests;
@@ -51,9 +53,13 @@ use rows::Rows;
 use sky::Sky;
 use witnesses::Witnesses;
 
-pub(crate) use cache::{CacheOutcome, load_or_bake};
+pub(crate) use cache::{Baked, CacheOutcome, load_or_bake, load_stored};
+pub use forecast::BakeForecast;
+pub(crate) use forecast::forecast;
+pub(crate) use pilot::escaped_share_of_fronts;
 pub use run::{Progress, RunSettings, Silent};
 pub use settings::BakeSettings;
+pub(crate) use sky::OPEN_SHARE;
 pub use stats::BakeStats;
 
 use crate::simd::Level;
@@ -145,9 +151,28 @@ impl Bake {
     }
 
     /// Irradiance of the sky in slots, W/m2, from H_m of every cell (pi x its
-    /// mean radiance); `None` in a closed scene, which sees none.
-    pub(crate) fn sky_irradiance(&self, level: Level, cells: &[[f32; 3]]) -> Option<Vec<[f32; 3]>> {
-        self.sky.as_ref().map(|sky| sky.apply(level, cells))
+    /// mean radiance). `unhidden` gives it for a vertex that nothing hides the
+    /// sky from.
+    pub(crate) fn sky_irradiance(
+        &self,
+        level: Level,
+        cells: &[[f32; 3]],
+        unhidden: impl Fn(u32) -> [f32; 3],
+    ) -> Vec<[f32; 3]> {
+        let mut irradiance = match &self.sky {
+            Some(sky) => sky.apply(level, cells),
+            None => vec![[0.0; 3]; self.basis.slot_count()],
+        };
+        for group in (0..self.rows.group_count()).filter(|&group| self.rows.is_empty(group)) {
+            let (first, count) = self.rows.receivers(group);
+            for slot in first..first + count {
+                let vertex = self.basis.vertex_of_slot()[slot];
+                if self.open_points[vertex as usize] != 0 {
+                    irradiance[slot] = unhidden(vertex);
+                }
+            }
+        }
+        irradiance
     }
 
     /// Bytes of the sky's rows; 0 in a closed scene.

@@ -7,13 +7,13 @@ use super::basis::Basis;
 use super::compress::{self, Budget, Compressor};
 use super::rows::{GroupRows, Rows};
 use super::sky::{self, Sky};
-use super::stats::{BakeStats, GroupStats};
+use super::stats::{BakeStats, GroupStats, escaped_past_something};
 use super::transfer::{self, GROUP, GroupTransfer, Sampling, sample_group};
 use super::{BakeError, BakeSettings, Importance, RunSettings};
 use crate::surface::Surface;
 
 /// Groups that the thresholds are chosen from, spread evenly over the scene.
-const PILOT_GROUPS: usize = 256;
+pub(super) const PILOT_GROUPS: usize = 256;
 
 /// Samples and compresses all rows: of the surfaces, and of the sky where the
 /// scene is open.
@@ -65,10 +65,11 @@ pub(super) fn sampled_rows(
     let found = job.compress_all(thresholds, run)?;
 
     let stats: Vec<GroupStats> = found.iter().map(|f| f.stats).collect();
+    let is_open = sky::is_open(escaped_past_something(&stats));
     let stats = BakeStats::of(&stats, settings, thresholds[0]);
     let (rows, sky_rows): (Vec<GroupRows>, Vec<GroupRows>) =
         found.into_iter().map(|f| (f.rows, f.sky)).unzip();
-    let sky = sky::is_open(&stats).then(|| {
+    let sky = is_open.then(|| {
         Sky::new(
             sky_basis.clone(),
             Rows::join(

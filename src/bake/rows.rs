@@ -203,6 +203,12 @@ impl Rows {
         (first as usize, count as usize)
     }
 
+    /// Whether a group has an entry at all.
+    pub(crate) fn is_empty(&self, group: usize) -> bool {
+        self.near_offsets[group] == self.near_offsets[group + 1]
+            && self.basis_offsets[group] == self.basis_offsets[group + 1]
+    }
+
     /// Irradiance of a group's receivers (a channel, then a lane) from the
     /// radiosity of all slots and the light's basis coefficients.
     pub(crate) fn gather(

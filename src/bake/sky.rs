@@ -4,9 +4,10 @@
 //! X_im, the share of the rays of vertex i that escape into cell m, is
 //! compressed like a row of the transfer: a near field of whole cells, smooth
 //! functions over the cube of cells for the rest, and the response to a constant
-//! sky kept. E_i = sum_m X_im H_m is direct light.
+//! sky kept. E_i = sum_m X_im H_m is direct light. Where nothing is in the way,
+//! such as on the outside of a room's walls, no row is kept: the light follows
+//! from the normal.
 
-use super::BakeStats;
 use super::basis::Basis;
 use super::excitation::Excitation;
 use super::graph::VertexGraph;
@@ -19,12 +20,12 @@ use crate::maths::sampling::sphere_direction;
 use crate::simd::Level;
 
 /// Functions over the 384 cells.
-const FUNCTIONS: u32 = 64;
+pub(super) const FUNCTIONS: u32 = 64;
 /// Entries a vertex in the mean, whole cells included.
 pub(super) const COEFFICIENTS: u32 = 48;
 /// A scene is open if this share of all rays escapes: through cracks and
 /// T-junctions of a closed one it is at most 1e-4 (the hard cases of geometry).
-pub(super) const OPEN_SHARE: f64 = 1e-4;
+pub(crate) const OPEN_SHARE: f64 = 1e-4;
 /// Prior skies: lobes of these powers of the cosine about so many directions
 /// each. Wide lobes are bright halves of the sky, narrow ones clouds and the
 /// glow about a sun (the sun itself is a light with shadow rays).
@@ -40,9 +41,10 @@ pub(super) struct Sky {
     rows: Rows,
 }
 
-/// Whether so much escapes that the sky is worth its rows.
-pub(super) fn is_open(stats: &BakeStats) -> bool {
-    stats.escaped_share > OPEN_SHARE
+/// Whether so much of all rays escapes, from groups that see something else
+/// too, that the sky is worth its rows.
+pub(super) fn is_open(escaped_share: f64) -> bool {
+    escaped_share > OPEN_SHARE
 }
 
 impl Sky {
@@ -97,8 +99,12 @@ fn of_rms_1(values: impl Iterator<Item = f32> + Clone) -> Vec<f32> {
     values.map(|v| (f64::from(v) / rms) as f32).collect()
 }
 
-/// The escapes of a group as a transfer whose senders are cells.
+/// The escapes of a group as a transfer whose senders are cells; of a group
+/// that sees nothing but the sky, none: there is nothing to know.
 pub(super) fn transfer_of(group: &GroupTransfer) -> GroupTransfer {
+    if group.sees_only_sky() {
+        return GroupTransfer::default();
+    }
     let mut arrived = [0.0; GROUP];
     for (_, shares) in &group.sky {
         for lane in 0..GROUP {

@@ -9,6 +9,8 @@ pub(super) struct GroupStats {
     receivers: f64,
     arrived: f64,
     escaped: f64,
+    /// Escaped, unless the group sees nothing else.
+    escaped_past: f64,
     senders: f64,
 }
 
@@ -18,9 +20,20 @@ impl GroupStats {
             receivers: receivers as f64,
             arrived: transfer.arrived.iter().sum(),
             escaped: transfer.escaped.iter().sum(),
+            escaped_past: if transfer.sees_only_sky() {
+                0.0
+            } else {
+                transfer.escaped.iter().sum()
+            },
             senders: transfer.entries.len() as f64,
         }
     }
+}
+
+/// Share of all rays that escape past something, 0 to 1.
+pub(super) fn escaped_past_something(groups: &[GroupStats]) -> f64 {
+    let escaped: f64 = groups.iter().map(|g| g.escaped_past).sum();
+    escaped / groups.iter().map(|g| g.receivers).sum::<f64>().max(1.0)
 }
 
 /// Figures of a bake, kept in its file.

@@ -6,12 +6,14 @@
 //! corners. Rows sum to at most 1 by construction, corners and contacts need no
 //! special case, and nothing divides by a squared distance.
 
+use glam::Vec3;
+
 use super::window::{Escape, Window, needs_aim};
 use crate::maths::cube_cells::{CELL_COUNT, cell_of};
 use crate::maths::sampling::{cosine_direction, mirrored_above};
 use crate::maths::sobol::ScrambledSobol;
 use crate::simd::Level;
-use crate::surface::{NONE, Surface};
+use crate::surface::{Arrival, NONE, Surface};
 
 /// Receivers that share one index list: the lanes of a row kernel.
 pub(crate) const GROUP: usize = 8;
@@ -30,6 +32,13 @@ pub(crate) struct GroupTransfer {
     /// X_im: (cell of the sky, share of the rays that escape into it per
     /// receiver), ascending by cell.
     pub(crate) sky: Vec<(u32, [f32; GROUP])>,
+}
+
+impl GroupTransfer {
+    /// Whether no ray of the group arrived anywhere.
+    pub(crate) fn sees_only_sky(&self) -> bool {
+        self.entries.is_empty()
+    }
 }
 
 /// What sampling needs to know.
@@ -152,20 +161,33 @@ impl RayCounts {
     }
 }
 
-/// Adds one receiver's hits to its lane.
-fn sample_row(sampling: &Sampling, vertex: u32, lane: usize, scratch: &mut Scratch) -> RayCounts {
-    let surface = sampling.surface;
+/// The first rays of a vertex's row, numbered: the direction of each and where
+/// it arrives (`None`: it escapes).
+pub(super) fn row_rays(
+    surface: &Surface,
+    level: Level,
+    vertex: u32,
+    count: u32,
+) -> impl Iterator<Item = (u32, (Vec3, Option<Arrival>))> {
     let points = ScrambledSobol::new(SEED, vertex);
-    let mut counts = RayCounts::default();
-    scratch.escapes[lane].clear();
-    for index in 0..sampling.rays {
+    (0..count).map(move |index| {
         let u = points.point(index);
         let from = surface.sample_point(vertex as usize, [u[0], u[1]]);
         let direction = mirrored_above(
             cosine_direction(from.normal, [u[2], u[3]]),
             from.flat_normal,
         );
-        let Some(hit) = surface.arrival(sampling.level, &from, direction) else {
+        (index, (direction, surface.arrival(level, &from, direction)))
+    })
+}
+
+/// Adds one receiver's hits to its lane.
+fn sample_row(sampling: &Sampling, vertex: u32, lane: usize, scratch: &mut Scratch) -> RayCounts {
+    let surface = sampling.surface;
+    let mut counts = RayCounts::default();
+    scratch.escapes[lane].clear();
+    for (index, (direction, hit)) in row_rays(surface, sampling.level, vertex, sampling.rays) {
+        let Some(hit) = hit else {
             counts.escaped += 1;
             scratch.escapes[lane].push((index, cell_of(direction) as u16));
             continue;

@@ -19,6 +19,8 @@ pub(super) enum Command {
     Render(Render),
     /// Precompute how light travels in a scene, for later frames.
     Bake(Bake),
+    /// Say what a scene asks for and what it will cost; bakes nothing.
+    Info(Info),
     /// Compare two images; exit code 1 if they differ by more than the limits.
     Diff(Diff),
     /// Path-trace a scene: slow, and the truth to compare frames with.
@@ -30,6 +32,7 @@ impl Command {
         match self {
             Self::Render(arguments) => &arguments.scene.run,
             Self::Bake(arguments) => &arguments.scene.run,
+            Self::Info(arguments) => &arguments.scene.run,
             Self::Diff(arguments) => &arguments.run,
             Self::Reference(arguments) => &arguments.scene.run,
         }
@@ -53,6 +56,12 @@ pub(super) struct Render {
 
 #[derive(Debug, Args)]
 pub(super) struct Bake {
+    #[command(flatten)]
+    pub(super) scene: SceneArguments,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct Info {
     #[command(flatten)]
     pub(super) scene: SceneArguments,
 }

@@ -5,18 +5,19 @@ use serde_json::json;
 
 use super::args::Bake;
 use super::error::CliError;
+use super::info::announce_bake;
 use super::report::{Report, add_figures, figures_text, stage_times};
 use super::run::{cache_folder, load_scene, warn, with_run};
 
 pub(super) fn execute(arguments: &Bake) -> Result<Report, CliError> {
     let scene = load_scene(&arguments.scene)?;
     let folder = cache_folder(&arguments.scene.run);
-    let mut renderer = with_run(&arguments.scene.run, |run| {
-        let mut renderer = Renderer::new(scene, folder.as_deref());
-        warn(renderer.take_warnings());
-        renderer.bake(run)?;
-        Ok(renderer)
+    let mut renderer = with_run(&arguments.scene.run, |_| {
+        Ok(Renderer::new(scene, folder.as_deref()))
     })?;
+    warn(renderer.take_warnings());
+    announce_bake(&mut renderer, &arguments.scene.run)?;
+    with_run(&arguments.scene.run, |run| Ok(renderer.bake(run)?))?;
     warn(renderer.take_warnings());
     let figures = renderer.figures();
     let mut json = json!({});

@@ -5,6 +5,7 @@ mod args;
 mod bake;
 mod diff;
 mod error;
+mod info;
 mod reference;
 mod render;
 mod report;
@@ -42,6 +43,7 @@ fn execute(command: &Command) -> Result<Report, CliError> {
     match command {
         Command::Render(arguments) => render::execute(arguments),
         Command::Bake(arguments) => bake::execute(arguments),
+        Command::Info(arguments) => info::execute(arguments),
         Command::Diff(arguments) => diff::execute(arguments),
         Command::Reference(arguments) => reference::execute(arguments),
     }

@@ -10,6 +10,7 @@ use serde_json::json;
 
 use super::args::{Render, ViewArguments};
 use super::error::CliError;
+use super::info::announce_bake;
 use super::report::{Report, add_figures, figures_text, stage_times};
 use super::run::{cache_folder, load_scene, warn, with_run};
 
@@ -24,13 +25,16 @@ pub(super) fn execute(arguments: &Render) -> Result<Report, CliError> {
     };
     let folder = cache_folder(&arguments.scene.run);
 
-    let (renderer, frame) = with_run(&arguments.scene.run, |run| {
-        let mut renderer = Renderer::new(scene, folder.as_deref());
-        warn(renderer.take_warnings());
-        let frame = renderer.frame(&settings, run)?;
-        Ok((renderer, frame))
+    let mut renderer = with_run(&arguments.scene.run, |_| {
+        Ok(Renderer::new(scene, folder.as_deref()))
     })?;
-    let mut renderer = renderer;
+    warn(renderer.take_warnings());
+    if renderer.needs_bake(&settings) {
+        announce_bake(&mut renderer, &arguments.scene.run)?;
+    }
+    let frame = with_run(&arguments.scene.run, |run| {
+        Ok(renderer.frame(&settings, run)?)
+    })?;
     warn(renderer.take_warnings());
     let levels = frame.develop(exposure, tone);
     let picture = Picture {

@@ -12,8 +12,11 @@ static ARRIVED: OnceLock<Arc<AtomicUsize>> = OnceLock::new();
 /// (signal, exit code).
 const SIGNALS: [(i32, u8); 2] = [(SIGINT, 130), (SIGTERM, 143)];
 
-/// Begins to listen. A handler that cannot be installed leaves the system's.
+/// Begins to listen, unless the program does already. A handler that cannot be installed leaves the system's.
 pub(super) fn listen() {
+    if ARRIVED.get().is_some() {
+        return;
+    }
     let arrived = ARRIVED.get_or_init(|| Arc::new(AtomicUsize::new(0)));
     for (signal, code) in SIGNALS {
         let again = Arc::new(AtomicBool::new(false));

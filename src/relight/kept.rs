@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use crate::bake::Bake;
-use crate::maths::cube_cells::CELL_COUNT;
+use crate::maths::cube_cells::{CELL_COUNT, direction_in_cell};
 use crate::scene::{PlacedEnvironment, PlacedLight, PlacedLights, PlacedRectangle};
 use crate::simd::Level;
 use crate::surface::Surface;
@@ -55,17 +55,17 @@ impl KeptDirect {
         computed
     }
 
-    /// Irradiance of the skies at every vertex, W/m2; empty without a sky or in
-    /// a closed scene.
+    /// Irradiance of the skies at every vertex, W/m2; empty without a sky.
     pub(crate) fn sky(
         &mut self,
+        surface: &Surface,
         bake: &Bake,
         level: Level,
         skies: &[PlacedEnvironment],
     ) -> &[Vec3] {
         let is_kept = self.sky.as_ref().is_some_and(|(kept, _)| kept == skies);
         if !is_kept {
-            self.sky = Some((skies.to_vec(), sky_irradiance(bake, level, skies)));
+            self.sky = Some((skies.to_vec(), sky_irradiance(surface, bake, level, skies)));
         }
         self.sky.as_ref().map_or(&[], |(_, irradiance)| irradiance)
     }
@@ -86,7 +86,12 @@ impl KeptDirect {
 
 /// What the skies do to the vertices, by the cells of the sky; no entry where
 /// they do nothing.
-fn sky_irradiance(bake: &Bake, level: Level, skies: &[PlacedEnvironment]) -> Vec<Vec3> {
+fn sky_irradiance(
+    surface: &Surface,
+    bake: &Bake,
+    level: Level,
+    skies: &[PlacedEnvironment],
+) -> Vec<Vec3> {
     let mut cells = vec![[0.0_f32; 3]; CELL_COUNT];
     for sky in skies {
         for (sum, cell) in cells.iter_mut().zip(sky.cells()) {
@@ -98,13 +103,48 @@ fn sky_irradiance(bake: &Bake, level: Level, skies: &[PlacedEnvironment]) -> Vec
     if cells.iter().all(|cell| *cell == [0.0; 3]) {
         return Vec::new();
     }
-    let Some(in_slots) = bake.sky_irradiance(level, &cells) else {
-        return Vec::new();
-    };
+    let hemisphere = Hemisphere::new();
+    let normals = surface.vertices.normals();
+    let in_slots = bake.sky_irradiance(level, &cells, |vertex| {
+        hemisphere.irradiance(normals[vertex as usize], &cells)
+    });
     let mut at_vertices = vec![Vec3::ZERO; in_slots.len()];
     for (&vertex, &e) in bake.basis().vertex_of_slot().iter().zip(&in_slots) {
         // A basis rings; light is not negative.
         at_vertices[vertex as usize] = Vec3::from_array(e.map(|e| if e > 0.0 { e } else { 0.0 }));
     }
     at_vertices
+}
+
+/// The sky over a plane that nothing is on.
+struct Hemisphere {
+    /// Middle of each cell and its solid angle, sr.
+    cells: Vec<(Vec3, f32)>,
+}
+
+impl Hemisphere {
+    fn new() -> Self {
+        Self {
+            cells: (0..CELL_COUNT)
+                .map(|cell| direction_in_cell(cell, [0.5, 0.5]))
+                .collect(),
+        }
+    }
+
+    /// Irradiance on a plane of unit `normal` from H_m of the cells, W/m2: their
+    /// mean by solid angle x cosine.
+    fn irradiance(&self, normal: Vec3, sky: &[[f32; 3]]) -> [f32; 3] {
+        let (mut sum, mut weights) = ([0.0; 3], 0.0);
+        for ((direction, solid_angle), cell) in self.cells.iter().zip(sky) {
+            let cosine = direction.dot(normal);
+            if cosine > 0.0 {
+                let weight = cosine * solid_angle;
+                weights += weight;
+                for channel in 0..3 {
+                    sum[channel] += weight * cell[channel];
+                }
+            }
+        }
+        sum.map(|value| value / weights)
+    }
 }

@@ -13,6 +13,7 @@ mod colours;
 mod component;
 mod geometry;
 mod kept;
+mod outlook;
 mod paint;
 mod raster;
 mod reach;
@@ -22,6 +23,7 @@ mod stages;
 
 pub use bounces::BounceError;
 pub use component::{COMPONENTS, Component};
+pub use outlook::{ImageCounts, LightCounts, Outlook, SceneContents, SkyView};
 pub use renderer::{
     BakeFigures, Frame, FrameSettings, RenderError, Renderer, SceneFigures, develop,
 };

@@ -9,13 +9,15 @@ use super::bounces::{BounceError, Transport};
 use super::colours::VertexColours;
 use super::component::Component;
 use super::kept::KeptDirect;
+use super::outlook::{Outlook, SceneContents};
 use super::shade::{View, draw};
 use super::stages::Stages;
 use crate::bake::{
-    Bake, BakeError, BakeSettings, BakeStats, CacheOutcome, RunSettings, load_or_bake,
+    self, Bake, BakeError, BakeForecast, BakeSettings, BakeStats, CacheOutcome, RunSettings,
+    escaped_share_of_fronts, forecast, load_or_bake, load_stored,
 };
 use crate::frame::{Development, EncodedImage, Image};
-use crate::scene::{Bounces, Camera, PlacedLights, Scene, Tone};
+use crate::scene::{Bounces, Camera, Light, LightKind, PlacedLights, Scene, Tone};
 use crate::surface::{Detail, Surface};
 
 /// Why there is no frame.
@@ -157,6 +159,16 @@ struct Baked {
     file_bytes: usize,
 }
 
+impl From<bake::Baked> for Baked {
+    fn from(baked: bake::Baked) -> Self {
+        Self {
+            bake: baked.bake,
+            cached: baked.outcome == CacheOutcome::Hit,
+            file_bytes: baked.file_bytes,
+        }
+    }
+}
+
 /// A scene with its surface and, once a frame needs it, its bake. Lights,
 /// albedos, camera and bounces may change from frame to frame; what did not
 /// change is not computed again.
@@ -215,14 +227,52 @@ impl Renderer {
         let baked = self
             .stages
             .time("bake", || load_or_bake(surface, &settings, folder, run))?;
-        self.warnings.extend(baked.warnings);
-        let cached = baked.outcome == CacheOutcome::Hit;
-        self.baked = Some(Baked {
-            bake: baked.bake,
-            cached,
-            file_bytes: baked.file_bytes,
-        });
+        self.warnings.extend(baked.warnings.iter().cloned());
+        self.baked = Some(baked.into());
         Ok(())
+    }
+
+    /// What the scene asks for and what its bake will cost, without baking:
+    /// from a bake that exists, or from a few rays in about half a second.
+    /// Nothing is written, and no later result changes.
+    ///
+    /// # Errors
+    /// [`BakeError::Cancelled`] when the job was stopped.
+    pub fn outlook(&mut self, run: &RunSettings) -> Result<Outlook, BakeError> {
+        let settings = BakeSettings::of_keys(&self.scene.bake);
+        if self.baked.is_none() {
+            self.load(&settings);
+        }
+        let bake = match &self.baked {
+            Some(baked) => BakeForecast::of(&baked.bake, baked.file_bytes),
+            None => forecast(&mut self.surface, &settings, run)?,
+        };
+        Ok(Outlook {
+            contents: SceneContents::of(&self.scene, &self.surface),
+            triangles: self.surface.mesh.triangles.len(),
+            max_edge: self.surface.max_edge,
+            escaped_share_of_fronts: escaped_share_of_fronts(&self.surface, run.level),
+            frame: FrameSettings::of_scene(&self.scene),
+            bake,
+        })
+    }
+
+    /// Takes the bake from the cache, if it is there. One that cannot be used is
+    /// warned of when it is made anew.
+    fn load(&mut self, settings: &BakeSettings) {
+        let (surface, folder) = (&mut self.surface, self.cache_folder.as_deref());
+        let stored = self
+            .stages
+            .time("bake", || load_stored(surface, settings, folder));
+        self.baked = stored.ok().flatten().map(Baked::from);
+    }
+
+    /// Whether a frame needs a bake that the renderer does not have yet.
+    pub fn needs_bake(&self, settings: &FrameSettings) -> bool {
+        let is_sky = |light: &Light| matches!(light.kind, LightKind::Environment(_));
+        let has_sky = self.scene.lights.iter().any(is_sky);
+        let needs_sky = settings.component.needs_direct() && has_sky;
+        self.baked.is_none() && (settings.needs_bounces() || needs_sky)
     }
 
     /// What the user should know about mesh and cache; each sentence once.
@@ -271,9 +321,10 @@ impl Renderer {
         if settings.needs_bounces() || settings.needs_sky(&lights) {
             self.bake(run)?;
             let baked = self.baked.as_ref().expect("the frame has made its bake");
-            let kept = &mut self.kept;
-            let at_vertices =
-                stages.time("sky", || kept.sky(&baked.bake, run.level, &lights.skies));
+            let (surface, kept) = (&self.surface, &mut self.kept);
+            let at_vertices = stages.time("sky", || {
+                kept.sky(surface, &baked.bake, run.level, &lights.skies)
+            });
             if settings.needs_sky(&lights) {
                 sky = at_vertices.to_vec();
             }

@@ -90,6 +90,12 @@ impl Surface {
         sides::visible_backs(self, level)
     }
 
+    /// The same by about `most_rays` rays in all, and how many times as many
+    /// [`Self::visible_backs`] traces: 1 where the answer is its answer.
+    pub(crate) fn about_visible_backs(&self, level: Level, most_rays: usize) -> (Vec<bool>, f64) {
+        sides::about_visible_backs(self, level, most_rays)
+    }
+
     /// Per vertex of both sides, the points of its area that are not inside a
     /// closed body, a bit each.
     pub(crate) fn open_points(&self, level: Level) -> Vec<u8> {

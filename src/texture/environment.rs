@@ -69,6 +69,13 @@ impl EnvironmentMap {
         self.panorama.size().map(|n| n as u32)
     }
 
+    /// Bytes in memory of the map and its smaller copies, with and without its
+    /// sun.
+    pub fn bytes(&self) -> usize {
+        let without_sun = self.sun.as_ref();
+        self.panorama.bytes() + without_sun.map_or(0, |(_, panorama)| panorama.bytes())
+    }
+
     /// Radiance from a unit direction of the map's frame (+Y up, u =
     /// atan2(d.x, -d.z) / 2 pi mod 1, v = acos(d.y) / pi, row 0 on top), mean
     /// over a cone `spread_rad` wide (0: a point).

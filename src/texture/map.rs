@@ -110,6 +110,12 @@ struct Coarser {
     texels: Vec<Texel>,
 }
 
+impl Coarser {
+    fn bytes(&self) -> usize {
+        size_of_val(self.texels.as_slice())
+    }
+}
+
 impl PartialEq for Texture {
     fn eq(&self, other: &Self) -> bool {
         self.path == other.path && self.size == other.size
@@ -162,6 +168,16 @@ impl Texture {
     /// Width and height, pixels.
     pub fn size(&self) -> [u32; 2] {
         self.size
+    }
+
+    /// Bytes in memory, smaller copies included.
+    pub fn bytes(&self) -> usize {
+        let finest = match &self.finest {
+            Finest::Levels(encoded) => size_of_val(encoded.levels.as_slice()),
+            Finest::Linear(values) => size_of_val(values.as_slice()),
+        };
+        let coarser = self.coarser.iter().map(Coarser::bytes);
+        finest + coarser.sum::<usize>()
     }
 
     /// Mean colour, linear.

@@ -11,6 +11,13 @@ pub(super) struct Level {
     pub(super) texels: Vec<Vec3>,
 }
 
+impl Level {
+    /// Bytes of the texels.
+    pub(super) fn bytes(&self) -> usize {
+        size_of_val(self.texels.as_slice())
+    }
+}
+
 /// The texels of the next finer level that a coarse one covers along an axis,
 /// with their shares.
 type Shares = Vec<(usize, f32)>;

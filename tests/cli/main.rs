@@ -3,6 +3,7 @@
 
 mod components;
 mod differences;
+mod info;
 mod mistakes;
 #[path = "../program/mod.rs"]
 mod program;

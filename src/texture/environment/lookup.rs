@@ -70,6 +70,11 @@ impl Panorama {
         }
     }
 
+    /// Bytes of all levels.
+    pub(super) fn bytes(&self) -> usize {
+        self.levels.iter().map(Level::bytes).sum()
+    }
+
     pub(super) fn size(&self) -> [usize; 2] {
         self.levels[0].size
     }
