@@ -32,6 +32,8 @@ mod run;
 mod sample_graphs;
 mod settings;
 mod sky;
+#[cfg(test)]
+mod sky_tests;
 mod stats;
 mod subspace;
 mod transfer;
