@@ -6,7 +6,7 @@
 //! corners. Rows sum to at most 1 by construction, corners and contacts need no
 //! special case, and nothing divides by a squared distance.
 
-use super::window::{Escape, aimed_shares, needs_aim};
+use super::window::{Escape, aimed_shares, needs_aim, open_cells};
 use crate::maths::cube_cells::{CELL_COUNT, cell_of};
 use crate::maths::sampling::{cosine_direction, mirrored_above};
 use crate::maths::sobol::ScrambledSobol;
@@ -48,8 +48,8 @@ pub(crate) struct Sampling<'a> {
 pub(crate) struct Scratch {
     senders: Dense,
     cells: Dense,
-    /// Rays of the row in work that escaped.
-    escapes: Vec<Escape>,
+    /// Rays that escaped, by lane.
+    escapes: [Vec<Escape>; GROUP],
 }
 
 impl Scratch {
@@ -57,7 +57,7 @@ impl Scratch {
         Self {
             senders: Dense::new(vertex_count),
             cells: Dense::new(CELL_COUNT),
-            escapes: Vec::new(),
+            escapes: Default::default(),
         }
     }
 }
@@ -111,8 +111,13 @@ pub(crate) fn sample_group(
     scratch: &mut Scratch,
 ) -> GroupTransfer {
     let mut counts = [RayCounts::default(); GROUP];
+    scratch.escapes.iter_mut().for_each(Vec::clear);
     for (lane, &vertex) in receivers.iter().enumerate() {
         counts[lane] = sample_row(sampling, vertex, lane, scratch);
+    }
+    let open = open_cells(sampling.rays, &scratch.escapes);
+    for (lane, &vertex) in receivers.iter().enumerate() {
+        add_sky(sampling, (vertex, lane), counts[lane], &open, scratch);
     }
     let scales = counts.map(|count| 1.0 / count.in_the_open(sampling.rays) as f32);
     let entries = scratch.senders.drain(&scales);
@@ -156,7 +161,6 @@ fn sample_row(sampling: &Sampling, vertex: u32, lane: usize, scratch: &mut Scrat
     let surface = sampling.surface;
     let points = ScrambledSobol::new(SEED, vertex);
     let mut counts = RayCounts::default();
-    scratch.escapes.clear();
     for index in 0..sampling.rays {
         let u = points.point(index);
         let from = surface.sample_point(vertex as usize, [u[0], u[1]]);
@@ -166,7 +170,7 @@ fn sample_row(sampling: &Sampling, vertex: u32, lane: usize, scratch: &mut Scrat
         );
         let Some(hit) = surface.arrival(sampling.level, &from, direction) else {
             counts.escaped += 1;
-            scratch.escapes.push((index, cell_of(direction) as u16));
+            scratch.escapes[lane].push((index, cell_of(direction) as u16));
             continue;
         };
         let corners = surface.vertices.of_triangle(hit.triangle, hit.front);
@@ -181,26 +185,26 @@ fn sample_row(sampling: &Sampling, vertex: u32, lane: usize, scratch: &mut Scrat
             }
         }
     }
-    add_sky(sampling, vertex, lane, counts, scratch);
     counts
 }
 
-/// Adds the rays that escaped to the cells of the sky, or what aimed rays say of
-/// them where they are few.
+/// Adds a row's rays that escaped to the cells of the sky, or what rays aimed at
+/// the cells that are `open` to its group say of them where they are few.
 fn add_sky(
     sampling: &Sampling,
-    vertex: u32,
-    lane: usize,
+    (vertex, lane): (u32, usize),
     counts: RayCounts,
+    open: &[u16],
     scratch: &mut Scratch,
 ) {
     let share = f64::from(counts.escaped) / f64::from(counts.in_the_open(sampling.rays));
-    if needs_aim(sampling, &scratch.escapes, share) {
-        for (cell, share) in aimed_shares(sampling, vertex, &scratch.escapes) {
+    let escapes = &scratch.escapes[lane];
+    if needs_aim(sampling, escapes, share) {
+        for (cell, share) in aimed_shares(sampling, vertex, escapes, open) {
             scratch.cells.add(cell, lane, share * sampling.rays as f32);
         }
     } else {
-        for &(_, cell) in &scratch.escapes {
+        for &(_, cell) in escapes {
             scratch.cells.add(u32::from(cell), lane, 1.0);
         }
     }
