@@ -127,13 +127,21 @@ impl Baked {
 
 /// A frame of a scene as its file asks for it.
 fn frame_of(scene: &Scene, component: Component) -> Image {
-    let settings = FrameSettings {
-        component,
-        ..FrameSettings::of_scene(scene)
-    };
+    let [image] = frames_of(scene, [component]);
+    image
+}
+
+/// The same of several components, by one bake.
+fn frames_of<const N: usize>(scene: &Scene, components: [Component; N]) -> [Image; N] {
     let mut renderer = Renderer::new(scene.clone(), None);
-    let frame = renderer.frame(&settings, &RunSettings::silent());
-    frame.expect("the scene has a frame").image
+    components.map(|component| {
+        let settings = FrameSettings {
+            component,
+            ..FrameSettings::of_scene(scene)
+        };
+        let frame = renderer.frame(&settings, &RunSettings::silent());
+        frame.expect("the scene has a frame").image
+    })
 }
 
 /// Where the ray through a place of the picture (pixels, row 0 on top) meets the

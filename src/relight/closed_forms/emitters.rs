@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use glam::{DVec3, Vec3};
 
-use super::{at_most, frame_of};
+use super::{at_most, frame_of, frames_of};
 use crate::frame::{Image, compare};
 use crate::relight::Component;
 use crate::scene::sample_scenes::{BOX_SIDES, Facing, SampleMesh, cube_room, lamp_facing_down};
@@ -15,10 +15,13 @@ use crate::scene::{Bounces, Scene};
 const FURNACE_MEAN: f64 = 5e-3;
 /// Furnace, worst pixel.
 const FURNACE_WORST: f64 = 0.02;
-/// A lamp of triangles against a rectangle, means of 8 x 8 pixels: the mesh's
-/// lamp hides 0.04 m2 of 24 m2 from the light that bounces, and the ceiling is
-/// divided otherwise.
+/// A lamp of triangles against a rectangle, means of 8 x 8 pixels of the whole
+/// picture.
 const EXCHANGED: f64 = 0.01;
+/// The same of indirect light alone. The transfer does not know a rectangle: the
+/// mesh's black lamp takes 0.16 % of the light of every bounce, 0.5 % of their
+/// sum, and another mesh has other noise.
+const EXCHANGED_INDIRECT: f64 = 0.015;
 /// Ten thousand emitters against one of their power, means of 8 x 8 pixels:
 /// tiles 1/70 apart are a smooth ceiling to points half a metre away.
 const MANY: f64 = 0.01;
@@ -64,7 +67,7 @@ fn box_room(has_lamp: bool) -> Scene {
         // The low side of a box that faces outward looks down.
         mesh.box_sides(corners, Facing::Outward, &[(1, false)], 2);
     }
-    let mut scene = mesh.scene(&[0.7, 0.5, 0.0], 0.15, 512);
+    let mut scene = mesh.scene(&[0.7, 0.5, 0.0], 0.2, 512);
     scene.materials[2].emission = Vec3::splat(LAMP_RADIANCE);
     scene.camera.position = DVec3::new(0.3, 0.1, 0.95);
     scene.camera.target = DVec3::new(0.0, 0.0, -1.0);
@@ -82,14 +85,17 @@ fn a_rectangle_stands_for_an_emitter_of_its_shape() {
     let emitter = box_room(true);
     let mut rectangle = box_room(false);
     rectangle.lights = vec![lamp_facing_down(LAMP[0], LAMP[1], LAMP_RADIANCE)];
-    for component in [Component::Direct, Component::Indirect, Component::Global] {
-        let [of_emitter, of_rectangle] =
-            [&emitter, &rectangle].map(|scene| frame_of(scene, component));
+    let components = [Component::Direct, Component::Indirect, Component::Global];
+    let limits = [EXCHANGED, EXCHANGED_INDIRECT, EXCHANGED];
+    let [of_emitter, of_rectangle] =
+        [&emitter, &rectangle].map(|scene| frames_of(scene, components));
+    for (index, (component, limit)) in components.into_iter().zip(limits).enumerate() {
+        let (of_emitter, of_rectangle) = (&of_emitter[index], &of_rectangle[index]);
         let mean = of_emitter.pixels().iter().map(|p| p.x).sum::<f32>() / 4096.0;
         assert!(mean > 0.02, "{component:?}: the picture is dark, {mean}");
-        let [error, bias] = difference(&of_emitter, &of_rectangle);
+        let [error, bias] = difference(of_emitter, of_rectangle);
         let what = format!("rectangle for an emitter, {component:?}, bias {bias:+.4}, relRMSE");
-        at_most(&what, error, EXCHANGED);
+        at_most(&what, error, limit);
     }
 }
 

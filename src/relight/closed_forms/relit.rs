@@ -13,11 +13,11 @@ use crate::scene::{LightKind, Scene};
 /// An open room with a lamp of triangles under its ceiling, a point light, a
 /// rectangle in that light's way and a sky.
 fn lit_room() -> Scene {
-    let room = room_with_blocks(false, 0.3, 64);
+    let room = room_with_blocks(false, 0.5, 32);
     let mut mesh = SampleMesh::default();
     let lamp = [DVec3::new(-0.3, 0.9, -0.3), DVec3::new(0.1, 0.95, 0.1)];
     mesh.box_sides(lamp, Facing::Outward, &[(1, false)], 2);
-    let lamp = mesh.scene(&[0.0, 0.0, 0.2], 0.3, 64);
+    let lamp = mesh.scene(&[0.0, 0.0, 0.2], 0.5, 32);
     let mut scene = room;
     let first = scene.mesh.positions.len() as u32;
     scene.mesh.positions.extend(&lamp.mesh.positions);

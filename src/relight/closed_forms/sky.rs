@@ -15,9 +15,9 @@ use crate::scene::{Bounces, Scene};
 const OPEN: f64 = 1e-5;
 /// Mean over a side of the box: sampling noise averages out.
 const CLOSED_FORM: f64 = 5e-3;
-/// Noise of one vertex: 4,096 low-discrepancy rays, of which a seventh to a half
+/// Noise of one vertex: 1,024 low-discrepancy rays, of which a seventh to a half
 /// escape.
-const VERTEX: f64 = 0.02;
+const VERTEX: f64 = 0.025;
 /// Points of a vertex's area in the mean that a vertex should have.
 const MANY_POINTS: u32 = 64;
 /// Radiance of the sky.
@@ -30,7 +30,7 @@ fn plane() -> Scene {
     let mut mesh = SampleMesh::default();
     let corners = [DVec3::new(-2.0, 0.0, -2.0), DVec3::new(2.0, 1.0, 2.0)];
     mesh.box_sides(corners, Facing::Inward, &[(1, false)], 0);
-    let mut scene = mesh.scene(&[0.5], 0.25, 256);
+    let mut scene = mesh.scene(&[0.5], 0.5, 128);
     scene.lights = vec![constant_sky(RADIANCE)];
     scene.camera.position = DVec3::new(0.1, 1.0, 0.2);
     scene.camera.target = DVec3::ZERO;
@@ -94,7 +94,7 @@ fn the_sky_looks_into_an_open_box() {
         &WITHOUT_TOP,
         0,
     );
-    let room = Baked::new(&mesh.scene(&[0.5], 0.25, 4096));
+    let room = Baked::new(&mesh.scene(&[0.5], 0.25, 1024));
     let irradiance = room.sky(&[constant_sky(RADIANCE)]);
     let wanted = |v: usize| {
         let points = ScrambledSobol::new(9, v as u32);
