@@ -34,6 +34,8 @@ mod run;
 mod sample_graphs;
 mod settings;
 mod sky;
+#[cfg(test)]
+mod sky_tests;
 mod stats;
 mod subspace;
 mod transfer;

@@ -16,7 +16,7 @@ const REPRODUCED: f64 = 1e-5;
 /// r_i + e_i = 1 where no ray meets a side without vertices; weights are floats.
 const ROW_SUM: f64 = 1e-5;
 
-fn baked(scene: &Scene) -> (Surface, Bake) {
+pub(super) fn baked(scene: &Scene) -> (Surface, Bake) {
     let mut surface = Surface::fronts(scene, &Detail::of_keys(&scene.bake));
     let settings = BakeSettings::of_keys(&scene.bake);
     let bake = bake(&mut surface, &settings, &RunSettings::silent()).unwrap();
@@ -45,7 +45,7 @@ fn responses(surface: &Surface, bake: &Bake) -> Vec<[f64; 3]> {
 }
 
 /// What a group's stored rows make of constant light, in double precision.
-fn stored_response(rows: &Rows, group: usize, constant: &[f32]) -> [f64; GROUP] {
+pub(super) fn stored_response(rows: &Rows, group: usize, constant: &[f32]) -> [f64; GROUP] {
     let range = |offsets: &[u32]| offsets[group] as usize..offsets[group + 1] as usize;
     let basis = range(&rows.basis_offsets);
     let coarse_end = basis.start + rows.coarse[group] as usize;

@@ -8,7 +8,7 @@
 
 use glam::Vec3;
 
-use super::window::{Escape, Window, needs_aim};
+use super::window::{Escape, aimed_shares, needs_aim, open_cells};
 use crate::maths::cube_cells::{CELL_COUNT, cell_of};
 use crate::maths::sampling::{cosine_direction, mirrored_above};
 use crate::maths::sobol::ScrambledSobol;
@@ -120,10 +120,14 @@ pub(crate) fn sample_group(
     scratch: &mut Scratch,
 ) -> GroupTransfer {
     let mut counts = [RayCounts::default(); GROUP];
+    scratch.escapes.iter_mut().for_each(Vec::clear);
     for (lane, &vertex) in receivers.iter().enumerate() {
         counts[lane] = sample_row(sampling, vertex, lane, scratch);
     }
-    add_sky(sampling, receivers, &counts, scratch);
+    let open = open_cells(sampling.rays, &scratch.escapes);
+    for (lane, &vertex) in receivers.iter().enumerate() {
+        add_sky(sampling, (vertex, lane), counts[lane], &open, scratch);
+    }
     let scales = counts.map(|count| 1.0 / count.in_the_open(sampling.rays) as f32);
     let entries = scratch.senders.drain(&scales);
     let sky = scratch.cells.drain(&scales);
@@ -185,7 +189,6 @@ pub(super) fn row_rays(
 fn sample_row(sampling: &Sampling, vertex: u32, lane: usize, scratch: &mut Scratch) -> RayCounts {
     let surface = sampling.surface;
     let mut counts = RayCounts::default();
-    scratch.escapes[lane].clear();
     for (index, (direction, hit)) in row_rays(surface, sampling.level, vertex, sampling.rays) {
         let Some(hit) = hit else {
             counts.escaped += 1;
@@ -207,33 +210,24 @@ fn sample_row(sampling: &Sampling, vertex: u32, lane: usize, scratch: &mut Scrat
     counts
 }
 
-/// Adds the rays that escaped to the cells of the sky, or what aimed rays say of
-/// them where they are few. Neighbours see the same window, so the cells that
-/// one of the group found open are looked into by all of it.
+/// Adds a row's rays that escaped to the cells of the sky, or what rays aimed at
+/// the cells that are `open` to its group say of them where they are few.
 fn add_sky(
     sampling: &Sampling,
-    receivers: &[u32],
-    counts: &[RayCounts; GROUP],
+    (vertex, lane): (u32, usize),
+    counts: RayCounts,
+    open: &[u16],
     scratch: &mut Scratch,
 ) {
-    let escapes = &scratch.escapes[..receivers.len()];
-    let rays: u32 = counts[..receivers.len()]
-        .iter()
-        .map(|count| count.in_the_open(sampling.rays))
-        .sum();
-    let window = Window::of(sampling.rays, escapes, rays);
-    for (lane, (&vertex, escapes)) in receivers.iter().zip(escapes).enumerate() {
-        let aimed = window
-            .as_ref()
-            .filter(|_| needs_aim(sampling.rays, escapes));
-        if let Some(window) = aimed {
-            for (cell, share) in window.aimed_shares(sampling, vertex, escapes) {
-                scratch.cells.add(cell, lane, share * sampling.rays as f32);
-            }
-        } else {
-            for &(_, cell) in escapes {
-                scratch.cells.add(u32::from(cell), lane, 1.0);
-            }
+    let share = f64::from(counts.escaped) / f64::from(counts.in_the_open(sampling.rays));
+    let escapes = &scratch.escapes[lane];
+    if needs_aim(sampling, escapes, share) {
+        for (cell, share) in aimed_shares(sampling, vertex, escapes, open) {
+            scratch.cells.add(cell, lane, share * sampling.rays as f32);
+        }
+    } else {
+        for &(_, cell) in escapes {
+            scratch.cells.add(u32::from(cell), lane, 1.0);
         }
     }
 }

@@ -188,8 +188,10 @@ fn sky_text(outlook: &Outlook) -> String {
         (SkyView::BacksAlone, false) => {
             "closed but for the outside: an environment would light back sides alone"
         }
-        (SkyView::Nobody, true) => "closed: the environment gives no light at all",
-        (SkyView::Nobody, false) => "closed: no light of the sky is baked",
+        (SkyView::Nobody, true) => {
+            "absent, since the scene is closed: the environment lights only its outside"
+        }
+        (SkyView::Nobody, false) => "absent, since the scene is closed",
     };
     format!("{meaning}; {shares}")
 }

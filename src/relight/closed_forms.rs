@@ -10,21 +10,37 @@
 //! | `placement` | rooms far away, tiny and huge |
 //! | `kept` | incremental frames have the bits of fresh ones |
 //! | `borders` | partitions cannot be seen |
+//! | `area` | rectangles, spots and parallel light on planes |
+//! | `emitters` | walls that glow, lamps of triangles, ten thousand of them |
+//! | `sky` | a constant sky over a plane and into a box |
+//! | `maps` | maps of the sky, how they are turned, and their suns |
+//! | `textures` | what a map on a surface is on average |
+//! | `relit` | lamps and materials changed from frame to frame |
+//! | `finite` | what has no meaning makes no frame that has none |
 
+mod area;
 mod borders;
 mod direct_flux;
+mod emitters;
 mod enclosures;
+mod finite;
 mod kept;
+mod maps;
 mod operator;
 mod placement;
+mod relit;
 mod sides;
+mod sky;
+mod textures;
 
 use glam::{DVec3, Vec3};
 
 use super::bounces::Transport;
 use super::kept::KeptDirect;
+use super::{Component, FrameSettings, Renderer};
 use crate::bake::{Bake, BakeSettings, RunSettings, load_or_bake};
-use crate::scene::{Bounces, Light, PlacedLights, Scene};
+use crate::frame::Image;
+use crate::scene::{Bounces, Light, PlacedLights, Placement, Scene};
 use crate::simd::Level;
 use crate::surface::{Detail, Surface};
 
@@ -82,6 +98,14 @@ impl Baked {
         kept.sum(self.vertex_count())
     }
 
+    /// Irradiance of the skies among the lights at the vertices; empty without.
+    fn sky(&self, lights: &[Light]) -> Vec<Vec3> {
+        let placed = PlacedLights::of_file(lights, &self.surface.placement);
+        let mut kept = KeptDirect::default();
+        kept.sky(&self.surface, &self.bake, Level::detect(), &placed.skies)
+            .to_vec()
+    }
+
     /// Indirect irradiance under one albedo for all vertices.
     fn solve(&self, source: &[Vec3], albedo: f32, bounces: Bounces) -> Vec<Vec3> {
         let albedo = vec![Vec3::splat(albedo); self.vertex_count()];
@@ -99,6 +123,38 @@ impl Baked {
         let source: Vec<Vec3> = self.direct(lights).iter().map(|&e| e * albedo).collect();
         self.solve(&source, albedo, bounces)
     }
+}
+
+/// A frame of a scene as its file asks for it.
+fn frame_of(scene: &Scene, component: Component) -> Image {
+    let [image] = frames_of(scene, [component]);
+    image
+}
+
+/// The same of several components, by one bake.
+fn frames_of<const N: usize>(scene: &Scene, components: [Component; N]) -> [Image; N] {
+    let mut renderer = Renderer::new(scene.clone(), None);
+    components.map(|component| {
+        let settings = FrameSettings {
+            component,
+            ..FrameSettings::of_scene(scene)
+        };
+        let frame = renderer.frame(&settings, &RunSettings::silent());
+        frame.expect("the scene has a frame").image
+    })
+}
+
+/// Where the ray through a place of the picture (pixels, row 0 on top) meets the
+/// plane on which a coordinate has a value, file units.
+fn seen_on_plane(scene: &Scene, [x, y]: [f64; 2], axis: usize, value: f64) -> DVec3 {
+    let as_it_is = Placement {
+        center: DVec3::ZERO,
+        scale: 1.0,
+        extent: 1.0,
+    };
+    let camera = scene.camera.place(&as_it_is);
+    let direction = camera.direction(x, y).as_dvec3();
+    camera.eye + direction * ((value - camera.eye[axis]) / direction[axis])
 }
 
 /// How values are spread about what they should be, weighted by area.

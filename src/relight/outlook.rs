@@ -34,7 +34,8 @@ pub enum SkyView {
     /// Back sides alone, such as the outside of a closed room's walls: an
     /// environment lights only these.
     BacksAlone,
-    /// None: an environment gives no light at all.
+    /// None past anything: the scene is closed, and its bake has no rows for the
+    /// sky. The outside of its walls, which sees nothing else, needs none.
     Nobody,
 }
 

@@ -1,7 +1,6 @@
 //! What each light does at the pixels' centres, and where one answer a pixel is
 //! not enough.
 
-use glam::Vec3;
 use rayon::prelude::*;
 
 use super::raster::{CenterBuffer, Fragment};

@@ -1,12 +1,19 @@
 //! Small scenes whose light is known, for tests of the stages after this one.
 
-use crate::texture::TextureFilter;
+use std::path::Path;
+use std::sync::Arc;
+
 use glam::{DVec3, Vec3};
 
+use super::files::{Files, Memory};
+use super::sample_images;
 use super::{
-    BakeKeys, Camera, GoldenKeys, Light, LightKind, Material, Mesh, MeshTriangle, Point,
-    RenderKeys, Scene,
+    Area, BakeKeys, Camera, Directional, Environment, GoldenKeys, Light, LightKind, Material, Mesh,
+    MeshTriangle, Point, Radiance, RenderKeys, Scene, Spot,
 };
+use crate::texture::{EnvironmentMap, TextureFilter};
+
+pub(crate) use super::sample_images::tga;
 
 /// Which way the fronts of a closed body look.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -177,6 +184,124 @@ pub(crate) fn point_light(position: DVec3, intensity: f32) -> Light {
             intensity: Vec3::splat(intensity),
         }),
     }
+}
+
+/// A light of a kind.
+fn light(name: &str, kind: LightKind) -> Light {
+    Light {
+        name: name.to_owned(),
+        kind,
+    }
+}
+
+/// A rectangle that emits on the side of its first edge x its second.
+pub(crate) fn area_light(corner: DVec3, [edge_u, edge_v]: [DVec3; 2], radiance: f32) -> Light {
+    let area = Area {
+        corner,
+        edge_u,
+        edge_v,
+        radiance: Vec3::splat(radiance),
+    };
+    light("rectangle", LightKind::Area(area))
+}
+
+/// A rectangle that emits downward, from its lowest to its highest corner.
+pub(crate) fn lamp_facing_down(lower: DVec3, upper: DVec3, radiance: f32) -> Light {
+    let size = upper - lower;
+    area_light(lower, [DVec3::X * size.x, DVec3::Z * size.z], radiance)
+}
+
+/// A spot of so many W/sr that looks down; half angles in degrees.
+pub(crate) fn spot_facing_down(
+    position: DVec3,
+    intensity: f32,
+    [beam_deg, cutoff_deg]: [f32; 2],
+) -> Light {
+    let spot = Spot {
+        position,
+        direction: Vec3::NEG_Y,
+        intensity: Vec3::splat(intensity),
+        cutoff_deg,
+        beam_deg,
+    };
+    light("spot", LightKind::Spot(spot))
+}
+
+/// Parallel light that travels in a direction (any length).
+pub(crate) fn directional_light(direction: Vec3, irradiance: f32) -> Light {
+    let directional = Directional {
+        direction: direction.normalize(),
+        irradiance: Vec3::splat(irradiance),
+    };
+    light("sun", LightKind::Directional(directional))
+}
+
+/// The same radiance from everywhere.
+pub(crate) fn constant_sky(radiance: f32) -> Light {
+    let sky = Environment {
+        radiance: Radiance::Constant(Vec3::splat(radiance)),
+        scale: 1.0,
+        rotation_deg: 0.0,
+    };
+    light("sky", LightKind::Environment(sky))
+}
+
+/// A sky by columns and rows of a latitude-longitude map, as its file would
+/// give it. Maps of one size are equal unless their names differ.
+pub(crate) fn mapped_sky(
+    name: &str,
+    size: [u32; 2],
+    radiance: impl Fn(u32, u32) -> f32,
+) -> Environment {
+    let bytes = sample_images::hdr(size, radiance);
+    let path = format!("{name}.hdr");
+    let map = EnvironmentMap::decode(&bytes, Path::new(&path)).expect("the bytes are an HDR file");
+    Environment {
+        radiance: Radiance::Map(Arc::new(map)),
+        scale: 1.0,
+        rotation_deg: 0.0,
+    }
+}
+
+/// The light of a sky.
+pub(crate) fn sky_light(sky: Environment) -> Light {
+    light("sky", LightKind::Environment(sky))
+}
+
+/// A scene of files in memory, the first of which is the scene file.
+pub(crate) fn scene_of_files(files: &[(&str, &[u8])]) -> Scene {
+    let memory = Memory::of(files);
+    let path = Path::new(files[0].0);
+    let bytes = memory.read(path).expect("the first file is there");
+    Scene::load_with(&bytes, path, &[], &memory).expect("the files are a scene")
+}
+
+/// A room of 2 m around the origin with a square window of a side of
+/// 2 `half_window` in the middle of the wall at x = 1; with or without a block
+/// that hovers before it.
+pub(crate) fn room_with_window(
+    half_window: f64,
+    has_block: bool,
+    max_edge: f64,
+    rays: u32,
+) -> Scene {
+    let mut mesh = SampleMesh::default();
+    let others: Vec<BoxSide> = BOX_SIDES
+        .into_iter()
+        .filter(|&side| side != (0, true))
+        .collect();
+    mesh.box_sides([DVec3::NEG_ONE, DVec3::ONE], Facing::Inward, &others, 0);
+    let cuts = [-1.0, -half_window, half_window, 1.0];
+    for (row, column) in (0..9).map(|k| (k / 3, k % 3)).filter(|&at| at != (1, 1)) {
+        let lower = DVec3::new(-1.0, cuts[row], cuts[column]);
+        let upper = DVec3::new(1.0, cuts[row + 1], cuts[column + 1]);
+        mesh.box_sides([lower, upper], Facing::Inward, &[(0, true)], 0);
+    }
+    if has_block {
+        let corners = [DVec3::new(0.1, -0.6, -0.5), DVec3::new(0.5, 0.1, 0.1)];
+        mesh.box_sides(corners, Facing::Outward, &BOX_SIDES, 0);
+    }
+    mesh.scene(&[0.5], max_edge, rays)
 }
 
 /// A closed cube with inward fronts around the origin.

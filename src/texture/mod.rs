@@ -16,6 +16,5 @@ mod pyramid;
 mod slabs;
 
 pub use environment::EnvironmentMap;
-pub(crate) use environment::Sun;
 pub use error::TextureError;
 pub use map::{Texture, TextureFilter, TextureMap};

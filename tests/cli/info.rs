@@ -66,12 +66,12 @@ fn number(report: &Value, key: &str) -> f64 {
 }
 
 #[test]
-fn the_sky_of_a_closed_room_is_outside() {
+fn a_closed_room_has_no_sky() {
     let folder = temporary_folder();
     let scene = write_scene(folder.path(), &[CUBE, LID].concat());
     let cache = folder.path().join("cache");
     let report = report(&scene, &cache, &[]);
-    assert_eq!(report["sky"], "outside", "{report}");
+    assert_eq!(report["sky"], "absent", "{report}");
     assert_eq!(report["escaped_share_of_fronts"], 0.0, "{report}");
     // All rays of the backs, which are half of the vertices.
     assert_eq!(report["escaped_share"], 0.5, "{report}");
@@ -79,7 +79,7 @@ fn the_sky_of_a_closed_room_is_outside() {
     assert_eq!(report["size"], json!([64, 48]), "{report}");
     let said = succeed(&mut info(&scene, &cache, &[])).stdout;
     assert!(
-        said.contains("the environment lights back sides alone"),
+        said.contains("the environment lights only its outside"),
         "{said}"
     );
 }

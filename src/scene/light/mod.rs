@@ -26,9 +26,9 @@ pub use point::Point;
 pub(crate) use polygon::Polygon;
 pub use spot::Spot;
 
+use super::SceneError;
 use super::file::fields::Fields;
 use super::images::Sources;
-use super::{Placement, SceneError};
 
 /// How a kind is read from its table and the files that it names.
 type Reader = fn(&mut Fields, &Sources<'_>) -> Result<LightKind, SceneError>;
