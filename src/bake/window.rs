@@ -10,13 +10,11 @@
 //! A row's own first half is too few: of 512 rays none finds a window of 0.3 %
 //! in a fifth of the rows, and the mean noise of all was 40 %.
 
-use glam::Vec3;
-
 use super::transfer::Sampling;
 use crate::maths::cube_cells::{CELL_COUNT, direction_in_cell, neighbours};
 use crate::maths::hash::hash3;
+use crate::maths::sampling::mirrored_cosine_density;
 use crate::maths::sobol::ScrambledSobol;
-use crate::surface::SurfacePoint;
 
 /// Share of escaping rays up to which a row's rays do not find the sky well by
 /// themselves: at 30 % of 1024 rays the sky is known to 1 %.
@@ -209,7 +207,7 @@ fn aimed_share(sampling: &Sampling, vertex: u32, cell: u16, u: [f32; 4]) -> f64 
     let surface = sampling.surface;
     let from = surface.sample_point(vertex as usize, [u[0], u[1]]);
     let (direction, solid_angle) = direction_in_cell(usize::from(cell), [u[2], u[3]]);
-    let density = row_density(&from, direction);
+    let density = mirrored_cosine_density(from.normal, from.flat_normal, direction);
     if density <= 0.0 {
         return 0.0;
     }
@@ -217,19 +215,4 @@ fn aimed_share(sampling: &Sampling, vertex: u32, cell: u16, u: [f32; 4]) -> f64 
         None => f64::from(density) * f64::from(solid_angle),
         Some(_) => 0.0,
     }
-}
-
-/// Density (1/sr) of the row's directions, cosine-weighted about the shading
-/// normal and mirrored above the flat triangle.
-fn row_density(from: &SurfacePoint, direction: Vec3) -> f32 {
-    let height = direction.dot(from.flat_normal);
-    if height <= 0.0 {
-        return 0.0;
-    }
-    let mirrored = direction - from.flat_normal * (2.0 * height);
-    let cosine = |d: Vec3| {
-        let c = d.dot(from.normal);
-        if c > 0.0 { c } else { 0.0 }
-    };
-    (cosine(direction) + cosine(mirrored)) * std::f32::consts::FRAC_1_PI
 }

@@ -62,6 +62,21 @@ pub(crate) fn mirrored_above(direction: Vec3, flat_normal: Vec3) -> Vec3 {
     }
 }
 
+/// Density (1/sr) of directions drawn by [`cosine_direction`] about `normal` and
+/// then [`mirrored_above`] the plane of `flat_normal`, both unit vectors.
+pub(crate) fn mirrored_cosine_density(normal: Vec3, flat_normal: Vec3, direction: Vec3) -> f32 {
+    let height = direction.dot(flat_normal);
+    if height <= 0.0 {
+        return 0.0;
+    }
+    let mirrored = direction - flat_normal * (2.0 * height);
+    let cosine = |d: Vec3| {
+        let c = d.dot(normal);
+        if c > 0.0 { c } else { 0.0 }
+    };
+    (cosine(direction) + cosine(mirrored)) * std::f32::consts::FRAC_1_PI
+}
+
 /// Index of the interval of a running sum that holds `u` x total.
 pub(crate) fn pick(cumulative: &[f32], u: f32) -> usize {
     let total = cumulative.last().copied().unwrap_or(0.0);

@@ -8,7 +8,7 @@ use glam::Vec3;
 
 use super::colour_at;
 use crate::maths::hash::uniform;
-use crate::maths::sampling::pick;
+use crate::maths::sampling::{mirrored_cosine_density, pick};
 use crate::scene::{
     LightSample, PlacedEnvironment, PlacedLight, PlacedLights, PlacedRectangle, Scene,
     max_component,
@@ -45,19 +45,9 @@ impl Drawn {
     }
 }
 
-/// Density (1/sr) of a path's directions: cosine-weighted about the shading
-/// normal and mirrored above the flat triangle.
+/// Density (1/sr) of a path's directions.
 fn path_density(point: &SurfacePoint, direction: Vec3) -> f32 {
-    let height = direction.dot(point.flat_normal);
-    if height <= 0.0 {
-        return 0.0;
-    }
-    let mirrored = direction - point.flat_normal * (2.0 * height);
-    let cosine = |d: Vec3| {
-        let c = d.dot(point.normal);
-        if c > 0.0 { c } else { 0.0 }
-    };
-    (cosine(direction) + cosine(mirrored)) * std::f32::consts::FRAC_1_PI
+    mirrored_cosine_density(point.normal, point.flat_normal, direction)
 }
 
 impl<'a> Lights<'a> {
@@ -153,23 +143,23 @@ impl<'a> Lights<'a> {
         });
         for (index, rectangle) in self.rectangles.iter().enumerate() {
             let u = [0, 1].map(|d| uniform(seed, index as u32, d));
-            sum += arriving(&shadows, point, &from_rectangle(rectangle, point, u));
+            sum += arriving(&shadows, point, &of_rectangle(rectangle, point, u));
         }
         if !self.emitting.is_empty() {
             let u = [2, 3, 4].map(|d| uniform(seed, 0, d));
-            sum += arriving(&shadows, point, &self.from_mesh(point, u));
+            sum += arriving(&shadows, point, &self.of_mesh(point, u));
         }
         // The transfer ignores rectangles, and the sky's light comes through it.
         let sky_shadows = Shadows::of_surface(self.surface, level);
         for (index, sky) in self.skies.iter().enumerate() {
             let u = [5, 6].map(|d| uniform(seed, index as u32, d));
-            sum += from_sky(&sky_shadows, sky, point, u);
+            sum += of_sky(&sky_shadows, sky, point, u);
         }
         sum
     }
 
     /// A point of the emitting mesh, drawn by power.
-    fn from_mesh(&self, point: &SurfacePoint, [u, v, w]: [f32; 3]) -> LightSample {
+    fn of_mesh(&self, point: &SurfacePoint, [u, v, w]: [f32; 3]) -> LightSample {
         let index = pick(&self.cumulative_power, u);
         let triangle = self.emitting[index];
         let before = index
@@ -188,7 +178,7 @@ impl<'a> Lights<'a> {
 }
 
 /// A point of a rectangle, uniform over its area.
-fn from_rectangle(rectangle: &PlacedRectangle, point: &SurfacePoint, u: [f32; 2]) -> LightSample {
+fn of_rectangle(rectangle: &PlacedRectangle, point: &SurfacePoint, u: [f32; 2]) -> LightSample {
     let there =
         rectangle.corner + rectangle.edge_u * f64::from(u[0]) + rectangle.edge_v * f64::from(u[1]);
     let area = rectangle.edge_u.cross(rectangle.edge_v).length() as f32;
@@ -227,7 +217,7 @@ fn arriving(shadows: &Shadows, point: &SurfacePoint, sample: &LightSample) -> Ve
 
 /// Irradiance of a sky by one direction drawn by its brightness, weighted
 /// against the path's own direction; a sky without a map is left to that.
-fn from_sky(shadows: &Shadows, sky: &PlacedEnvironment, point: &SurfacePoint, u: [f32; 2]) -> Vec3 {
+fn of_sky(shadows: &Shadows, sky: &PlacedEnvironment, point: &SurfacePoint, u: [f32; 2]) -> Vec3 {
     let Some((direction, density)) = sky.sample(u) else {
         return Vec3::ZERO;
     };

@@ -27,6 +27,8 @@ const DIRECTIONS_ALONG: usize = 16;
 #[derive(Debug, Clone)]
 pub struct EnvironmentMap {
     path: PathBuf,
+    /// Of the file's bytes: equal maps hold equal pixels.
+    digest: [u8; 32],
     panorama: Panorama,
     /// The sun and the map without it.
     sun: Option<(Sun, Panorama)>,
@@ -35,7 +37,7 @@ pub struct EnvironmentMap {
 
 impl PartialEq for EnvironmentMap {
     fn eq(&self, other: &Self) -> bool {
-        self.path == other.path && self.size() == other.size()
+        self.path == other.path && self.digest == other.digest
     }
 }
 
@@ -44,7 +46,10 @@ impl EnvironmentMap {
     pub(crate) fn decode(bytes: &[u8], path: &Path) -> Result<Self, TextureError> {
         let file = image_file::decode_radiance(bytes, path)?;
         let size = file.size.map(|n| n as usize);
-        Ok(Self::new(path, size, file.pixels.into_linear()))
+        Ok(Self {
+            digest: *blake3::hash(bytes).as_bytes(),
+            ..Self::new(path, size, file.pixels.into_linear())
+        })
     }
 
     fn new(path: &Path, size: [usize; 2], texels: Vec<Vec3>) -> Self {
@@ -53,6 +58,7 @@ impl EnvironmentMap {
             .map(|(sun, without)| (sun, Panorama::new(size, without)));
         Self {
             path: path.to_owned(),
+            digest: [0; 32],
             distribution: Distribution::new(&panorama),
             panorama,
             sun,

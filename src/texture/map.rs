@@ -56,6 +56,8 @@ pub enum TextureFilter {
 #[derive(Debug, Clone)]
 pub struct Texture {
     path: PathBuf,
+    /// Of the file's bytes: equal maps hold equal pixels.
+    digest: [u8; 32],
     size: [u32; 2],
     finest: Finest,
     /// Level 1 and coarser.
@@ -118,7 +120,7 @@ impl Coarser {
 
 impl PartialEq for Texture {
     fn eq(&self, other: &Self) -> bool {
-        self.path == other.path && self.size == other.size
+        self.path == other.path && self.digest == other.digest
     }
 }
 
@@ -126,7 +128,10 @@ impl Texture {
     /// Decodes the bytes of the file at `path`.
     pub(crate) fn decode(bytes: &[u8], path: &Path) -> Result<Self, TextureError> {
         let file = image_file::decode(bytes, path)?;
-        Ok(Self::new(path, file.size, file.pixels))
+        Ok(Self {
+            digest: *blake3::hash(bytes).as_bytes(),
+            ..Self::new(path, file.size, file.pixels)
+        })
     }
 
     fn new(path: &Path, size: [u32; 2], pixels: Pixels) -> Self {
@@ -154,6 +159,7 @@ impl Texture {
             .collect();
         Self {
             path: path.to_owned(),
+            digest: [0; 32],
             size,
             finest,
             coarser,

@@ -43,11 +43,6 @@ impl Emitters {
         Self { polygons, tree }
     }
 
-    /// Whether nothing emits.
-    pub(crate) fn is_empty(&self) -> bool {
-        self.polygons.is_empty()
-    }
-
     /// What reaches a point of unit `normal` if nothing is in the way.
     pub(crate) fn cut(&self, position: Vec3, normal: Vec3) -> LightCut {
         let mut cut = LightCut::default();

@@ -167,13 +167,14 @@ impl Polygon {
         }
     }
 
-    /// A point of the polygon with uniform density over its area, from two
-    /// uniforms. The map of the square to the polygon keeps neighbours together.
+    /// [`Self::sample_point`] rounded.
+    #[cfg(test)]
     pub(crate) fn sample(&self, u: [f32; 2]) -> Vec3 {
         self.sample_point(u).as_vec3()
     }
 
-    /// [`Self::sample`] before it is rounded.
+    /// A point of the polygon with uniform density over its area, from two
+    /// uniforms. The map of the square to the polygon keeps neighbours together.
     pub(super) fn sample_point(&self, u: [f32; 2]) -> DVec3 {
         let [a, b] = u.map(f64::from);
         let (along_u, along_v) = match self.shape {

@@ -71,6 +71,7 @@ impl LightCut {
     }
 
     /// Number of entries: 0 where no light can arrive.
+    #[cfg(test)]
     pub(crate) fn len(&self) -> usize {
         self.entries.len()
     }
