@@ -5,7 +5,7 @@
 //! rows of the operator T~. No light and no camera is known here, so one bake
 //! serves all of them; albedo is not in it either.
 //!
-//! partition -> basis S -> sampled transfer T -> compressed rows -> bake file
+//! partition -> basis S -> sampled transfer T and sky X -> compressed rows -> bake file
 
 mod basis;
 mod cache;
@@ -69,6 +69,7 @@ use crate::surface::Surface;
 
 /// Groups of eight receivers that one task of [`apply_rows`] takes.
 const GROUPS_PER_TASK: usize = 32;
+
 /// The precomputed operator of a scene.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Bake {

@@ -4,11 +4,11 @@
 use glam::Vec3;
 use rayon::prelude::*;
 
+use super::transfer::vertex_rays;
 use super::{RunSettings, sky};
 use crate::maths::functions::{exp, ln};
 use crate::maths::hash::uniform;
-use crate::maths::sampling::{cosine_direction, mirrored_above, pick, sphere_direction};
-use crate::maths::sobol::ScrambledSobol;
+use crate::maths::sampling::{pick, sphere_direction};
 use crate::scene::PlacedLight;
 use crate::simd::Level;
 use crate::surface::{Ray, Surface, direct, offset_origin};
@@ -203,13 +203,6 @@ fn skies(surface: &Surface, level: Level) -> Vec<Vec<f32>> {
 
 /// Directions in which cosine-weighted rays of a vertex escape.
 fn escapes(surface: &Surface, level: Level, vertex: usize) -> impl Iterator<Item = Vec3> {
-    let points = ScrambledSobol::new(SKY_SEED, vertex as u32);
-    (0..SKY_RAYS).filter_map(move |index| {
-        let u = points.point(index);
-        let from = surface.sample_point(vertex, [u[0], u[1]]);
-        let about_normal = cosine_direction(from.normal, [u[2], u[3]]);
-        let direction = mirrored_above(about_normal, from.flat_normal);
-        let hit = surface.arrival(level, &from, direction);
-        hit.is_none().then_some(direction)
-    })
+    vertex_rays(surface, level, [SKY_SEED, vertex as u32], SKY_RAYS)
+        .filter_map(|(_, (direction, hit))| hit.is_none().then_some(direction))
 }

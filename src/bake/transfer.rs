@@ -173,7 +173,17 @@ pub(super) fn row_rays(
     vertex: u32,
     count: u32,
 ) -> impl Iterator<Item = (u32, (Vec3, Option<Arrival>))> {
-    let points = ScrambledSobol::new(SEED, vertex);
+    vertex_rays(surface, level, [SEED, vertex], count)
+}
+
+/// The same rays of another seed: [seed, vertex].
+pub(super) fn vertex_rays(
+    surface: &Surface,
+    level: Level,
+    [seed, vertex]: [u32; 2],
+    count: u32,
+) -> impl Iterator<Item = (u32, (Vec3, Option<Arrival>))> {
+    let points = ScrambledSobol::new(seed, vertex);
     (0..count).map(move |index| {
         let u = points.point(index);
         let from = surface.sample_point(vertex as usize, [u[0], u[1]]);

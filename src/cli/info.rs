@@ -1,7 +1,5 @@
 //! `relume info`: what a scene asks for and what it will cost.
 
-use std::io::IsTerminal;
-
 use relume::{BakeForecast, Bounces, LightCounts, Outlook, Renderer, SkyView};
 use serde_json::{Value, json};
 
@@ -10,7 +8,7 @@ use super::error::CliError;
 use super::report::Report;
 use super::run::{cache_folder, load_scene, warn, with_run};
 
-/// Bakes that take longer than this are announced on a terminal, seconds.
+/// Bakes that take longer than this are announced, seconds.
 const LONG_BAKE: f64 = 20.0;
 
 pub(super) fn execute(arguments: &Info) -> Result<Report, CliError> {
@@ -285,10 +283,14 @@ fn seconds(seconds: f64) -> String {
     }
 }
 
-/// Says to a person at a terminal how long the bake will take, if it is long.
+/// Front vertices below which no bake is long.
+const LONG_BAKE_VERTICES: usize = 10_000;
+
+/// Says on standard error how long the bake will take, if it is long.
 #[allow(clippy::print_stderr, reason = "the one line before a long bake")]
 pub(super) fn announce_bake(renderer: &mut Renderer, arguments: &Run) -> Result<(), CliError> {
-    if arguments.json || !std::io::stderr().is_terminal() {
+    // The forecast itself takes a moment; no small scene is worth it.
+    if renderer.figures().vertices < LONG_BAKE_VERTICES {
         return Ok(());
     }
     let bake = with_run(arguments, |run| Ok(renderer.outlook(run)?.bake))?;

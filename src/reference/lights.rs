@@ -10,7 +10,7 @@ use super::colour_at;
 use crate::maths::hash::uniform;
 use crate::maths::sampling::{mirrored_cosine_density, pick};
 use crate::scene::{
-    LightSample, PlacedEnvironment, PlacedLight, PlacedLights, PlacedRectangle, Scene,
+    LightSample, PlacedEnvironment, PlacedLight, PlacedLights, PlacedRectangle, PlacedSun, Scene,
     max_component,
 };
 use crate::simd::Level;
@@ -25,6 +25,9 @@ pub(super) struct Lights<'a> {
     sharp: Vec<PlacedLight>,
     rectangles: Vec<PlacedRectangle>,
     skies: Vec<PlacedEnvironment>,
+    /// Suns of the skies' maps: rectangles block them, as they block any light
+    /// with shadow rays, but not the rest of the sky.
+    suns: Vec<PlacedSun>,
     /// Triangles of the lighting mesh that emit.
     emitting: Vec<u32>,
     /// Area x largest channel of emission, up to and with each of these.
@@ -53,8 +56,6 @@ fn path_density(point: &SurfacePoint, direction: Vec3) -> f32 {
 impl<'a> Lights<'a> {
     pub(super) fn of(scene: &'a Scene, surface: &'a Surface) -> Self {
         let placed = PlacedLights::of(scene, &surface.placement);
-        let is_sharp =
-            |light: &PlacedLight| !matches!(light, PlacedLight::Surfaces(_) | PlacedLight::Sun(_));
         let triangles = &surface.mesh.triangles;
         let emission = |t: u32| scene.materials[triangles[t as usize].material as usize].emission;
         let emitting: Vec<u32> = (0..triangles.len() as u32)
@@ -70,7 +71,13 @@ impl<'a> Lights<'a> {
         Self {
             scene,
             surface,
-            sharp: placed.sources.into_iter().filter(is_sharp).collect(),
+            sharp: placed
+                .sources
+                .iter()
+                .filter(|light| light.is_sharp())
+                .cloned()
+                .collect(),
+            suns: placed.suns(),
             rectangles: placed.rectangles,
             skies: placed.skies,
             emitting,
@@ -121,13 +128,25 @@ impl<'a> Lights<'a> {
     /// Radiance of the sky along a path's direction, weighted against the
     /// directions that [`Self::irradiance`] draws (balance heuristic, Veach and
     /// Guibas 1995).
-    pub(super) fn sky_seen(&self, direction: Vec3, drawn: Option<&Drawn>) -> Vec3 {
+    pub(super) fn sky_seen(&self, origin: Vec3, direction: Vec3, drawn: Option<&Drawn>) -> Vec3 {
+        if drawn.is_some() && self.is_blocked_sun(origin, direction) {
+            return Vec3::ZERO;
+        }
         self.skies.iter().fold(Vec3::ZERO, |sum, sky| {
             let weight = drawn.map_or(1.0, |drawn| {
                 drawn.density / (drawn.density + sky.density(direction))
             });
             sum + sky.radiance(direction, 0.0) * weight
         })
+    }
+
+    /// Whether a direction leads to a sun with a rectangle in the way.
+    fn is_blocked_sun(&self, origin: Vec3, direction: Vec3) -> bool {
+        self.suns.iter().any(|sun| sun.contains(direction))
+            && self
+                .rectangles
+                .iter()
+                .any(|rectangle| rectangle.blocks(origin, direction, f32::INFINITY))
     }
 
     /// Irradiance at a point by one point of every light, W/m2.
@@ -153,7 +172,7 @@ impl<'a> Lights<'a> {
         let sky_shadows = Shadows::of_surface(self.surface, level);
         for (index, sky) in self.skies.iter().enumerate() {
             let u = [5, 6].map(|d| uniform(seed, index as u32, d));
-            sum += of_sky(&sky_shadows, sky, point, u);
+            sum += self.of_sky(&sky_shadows, sky, point, u);
         }
         sum
     }
@@ -174,6 +193,34 @@ impl<'a> Lights<'a> {
         let area = self.surface.mesh.triangles[triangle as usize].area;
         let intensity = self.emission(site) * (area / chance);
         toward(point, there.position, there.flat_normal, intensity)
+    }
+
+    /// Irradiance of a sky by one direction drawn by its brightness, weighted
+    /// against the path's own direction; a sky without a map is left to that.
+    fn of_sky(
+        &self,
+        shadows: &Shadows,
+        sky: &PlacedEnvironment,
+        point: &SurfacePoint,
+        u: [f32; 2],
+    ) -> Vec3 {
+        let Some((direction, density)) = sky.sample(u) else {
+            return Vec3::ZERO;
+        };
+        let of_path = path_density(point, direction);
+        if of_path <= 0.0 || self.is_blocked_sun(point.position, direction) {
+            return Vec3::ZERO;
+        }
+        let sample = LightSample {
+            direction,
+            distance: f32::INFINITY,
+            irradiance: Vec3::ZERO,
+        };
+        if shadows.hidden(&sample, point) {
+            return Vec3::ZERO;
+        }
+        let weighted = of_path / (of_path + density);
+        sky.radiance(direction, 0.0) * (weighted * std::f32::consts::PI)
     }
 }
 
@@ -213,26 +260,4 @@ fn arriving(shadows: &Shadows, point: &SurfacePoint, sample: &LightSample) -> Ve
     } else {
         open
     }
-}
-
-/// Irradiance of a sky by one direction drawn by its brightness, weighted
-/// against the path's own direction; a sky without a map is left to that.
-fn of_sky(shadows: &Shadows, sky: &PlacedEnvironment, point: &SurfacePoint, u: [f32; 2]) -> Vec3 {
-    let Some((direction, density)) = sky.sample(u) else {
-        return Vec3::ZERO;
-    };
-    let of_path = path_density(point, direction);
-    if of_path <= 0.0 {
-        return Vec3::ZERO;
-    }
-    let sample = LightSample {
-        direction,
-        distance: f32::INFINITY,
-        irradiance: Vec3::ZERO,
-    };
-    if shadows.hidden(&sample, point) {
-        return Vec3::ZERO;
-    }
-    let weighted = of_path / (of_path + density);
-    sky.radiance(direction, 0.0) * (weighted * std::f32::consts::PI)
 }

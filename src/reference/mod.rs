@@ -162,7 +162,8 @@ impl Tracer<'_> {
             let Some(vertex) = vertex else {
                 // What a direction meets belongs to the vertex that it left.
                 if counts(bounce.saturating_sub(1)) {
-                    radiance += throughput * self.lights.sky_seen(direction, drawn.as_ref());
+                    radiance +=
+                        throughput * self.lights.sky_seen(origin, direction, drawn.as_ref());
                 }
                 break;
             };

@@ -1,13 +1,56 @@
-//! Direct light at the vertices, kept light by light.
+//! What is kept from frame to frame: placed lights, and direct light at the
+//! vertices, light by light.
+
+use std::sync::Arc;
 
 use glam::Vec3;
 
 use crate::bake::Bake;
 use crate::maths::cube_cells::{CELL_COUNT, direction_in_cell};
-use crate::scene::{PlacedEnvironment, PlacedLight, PlacedLights, PlacedRectangle};
+use crate::scene::{
+    Light, Material, PlacedEnvironment, PlacedLight, PlacedLights, PlacedRectangle, Placement,
+    Scene,
+};
 use crate::simd::Level;
 use crate::surface::Surface;
 use crate::surface::direct::{self, Shadows};
+use crate::texture::{TextureFilter, TextureMap};
+
+/// The lights of the last frame, placed; a scene of thousands of emitters takes
+/// a tenth of a second to place.
+#[derive(Debug, Default)]
+pub(crate) struct KeptLights {
+    placed: Option<(PlacedFor, Arc<PlacedLights>)>,
+}
+
+/// What placed lights depend on, besides the mesh.
+#[derive(Debug, PartialEq)]
+struct PlacedFor {
+    lights: Vec<Light>,
+    /// Emission of each material.
+    emission: Vec<(Vec3, Option<TextureMap>)>,
+    filter: TextureFilter,
+}
+
+impl KeptLights {
+    /// The lights as the scene has them now.
+    pub(crate) fn update(&mut self, scene: &Scene, placement: &Placement) -> Arc<PlacedLights> {
+        let emission = |m: &Material| (m.emission, m.emission_map.clone());
+        let asked = PlacedFor {
+            lights: scene.lights.clone(),
+            emission: scene.materials.iter().map(emission).collect(),
+            filter: scene.texture_filter,
+        };
+        if let Some((made_for, lights)) = &self.placed
+            && *made_for == asked
+        {
+            return lights.clone();
+        }
+        let lights = Arc::new(PlacedLights::of(scene, placement));
+        self.placed = Some((asked, lights.clone()));
+        lights
+    }
+}
 
 /// Each light's direct irradiance at the vertices. A light that did not change
 /// is not computed again; the sum is always formed anew in the lights' order,

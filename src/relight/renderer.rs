@@ -8,7 +8,7 @@ use thiserror::Error;
 use super::bounces::{BounceError, Transport};
 use super::colours::VertexColours;
 use super::component::Component;
-use super::kept::KeptDirect;
+use super::kept::{KeptDirect, KeptLights};
 use super::outlook::{Outlook, SceneContents};
 use super::shade::{View, draw};
 use super::stages::Stages;
@@ -19,6 +19,9 @@ use crate::bake::{
 use crate::frame::{Development, EncodedImage, Image};
 use crate::scene::{Bounces, Camera, Light, LightKind, PlacedLights, Scene, Tone};
 use crate::surface::{Detail, Surface};
+
+/// A pixel in a penumbra takes four times as many of a set of 65,536 points.
+const MOST_LIGHT_SAMPLES: u32 = 16_384;
 
 /// Why there is no frame.
 #[derive(Debug, Error)]
@@ -41,7 +44,8 @@ pub struct FrameSettings {
     pub camera: Camera,
     /// Indirect bounces after the direct light.
     pub bounces: Bounces,
-    /// Shadow rays a pixel to a light that is no point.
+    /// Shadow rays a pixel to a light that is no point, 1 to 16,384; what is
+    /// beyond is taken for these.
     pub light_samples: u32,
     /// What is shown.
     pub component: Component,
@@ -177,6 +181,7 @@ pub struct Renderer {
     surface: Surface,
     baked: Option<Baked>,
     cache_folder: Option<PathBuf>,
+    placed: KeptLights,
     kept: KeptDirect,
     colours: VertexColours,
     warnings: Vec<String>,
@@ -197,6 +202,7 @@ impl Renderer {
             surface,
             baked: None,
             cache_folder: cache_folder.map(Path::to_owned),
+            placed: KeptLights::default(),
             kept: KeptDirect::default(),
             colours: VertexColours::default(),
             warnings,
@@ -210,6 +216,9 @@ impl Renderer {
     }
 
     /// Changes lights or materials; the mesh and `[bake]` stay what they are.
+    /// Materials stay as many as they were, and a map can be given to one only
+    /// where the scene was loaded with texture coordinates for it. One name may
+    /// stand for two materials, with and without maps.
     pub fn relight(
         &mut self,
         change: impl FnOnce(&mut Vec<crate::scene::Light>, &mut Vec<crate::scene::Material>),
@@ -313,7 +322,7 @@ impl Renderer {
     ) -> Result<Frame, RenderError> {
         let mut stages = Stages::default();
         let lights = stages.time("lights", || {
-            PlacedLights::of(&self.scene, &self.surface.placement)
+            self.placed.update(&self.scene, &self.surface.placement)
         });
         let mut computed_lights = 0;
         let mut indirect = Vec::new();
@@ -344,7 +353,7 @@ impl Renderer {
             camera: settings.camera.place(&self.surface.placement),
             lights: &lights,
             scene: &self.scene,
-            light_samples: settings.light_samples,
+            light_samples: settings.light_samples.clamp(1, MOST_LIGHT_SAMPLES),
             sky: &sky,
             indirect: &indirect,
             component: settings.component,

@@ -4,8 +4,10 @@
 //! Surfaces are shaded once a pixel, at the pixel's centre where the pixel is
 //! uniform, else once for each surface in it, weighted by coverage. A light
 //! whose visibility differs within a pixel's 3 x 3 neighbourhood, or whose own
-//! edge (the rim of a cone) passes there, gets one shadow ray a sample; all else
-//! stays where it is, so that direct and indirect light add up to both.
+//! edge (the rim of a cone) passes there, is asked for at every sample: by one
+//! shadow ray, or by a quarter of `light_samples` if it is no point. Colours of
+//! maps are means over the pixel. All else stays where it is, so that direct and
+//! indirect light add up to both.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -239,7 +241,8 @@ impl Shading<'_> {
             if self.mixed[light][pixel] {
                 self.light_mean(light, pixel, members())
             } else {
-                let to_light = self.light_points(pixel, 0);
+                let count = self.view.light_samples;
+                let to_light = LightPoints::of(LIGHT_SEED, pixel as u32, 0, count);
                 shadows.irradiance(&self.lights[light], &point, to_light)
             }
         };
@@ -269,12 +272,21 @@ impl Shading<'_> {
         pixel: usize,
         fragments: impl Iterator<Item = &'f Fragment>,
     ) -> Vec3 {
-        let shadows = self.view.shadows();
+        let (shadows, light) = (self.view.shadows(), &self.lights[light]);
         let mut found = Found::default();
+        // What a light that is no point sends hardly changes within a pixel: one
+        // look at thousands of emitters does for all samples.
+        let mut shared = None;
         for (sample, fragment) in fragments.enumerate() {
-            if let Some(point) = seen_point(self.view, fragment) {
-                let to_light = self.light_points(pixel, sample as u32);
-                shadows.find(&self.lights[light], &point, to_light, &mut found);
+            let Some(point) = seen_point(self.view, fragment) else {
+                continue;
+            };
+            let to_light = self.light_points(pixel, sample as u32);
+            if shared.is_none() || light.is_sharp() {
+                shared = Some(light.incident(point.position, point.normal));
+            }
+            if let Some(incident) = &shared {
+                shadows.follow_all(incident, &point, to_light, &mut found);
             }
         }
         found.irradiance()

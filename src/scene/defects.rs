@@ -94,6 +94,11 @@ impl Defects {
         self.count(defect, || format!("{place}: {text}"));
     }
 
+    /// Counts a defect at a place.
+    pub(crate) fn add_at(&mut self, defect: Defect, place: &Place) {
+        self.count(defect, || format!("{place}: {}", defect.text()));
+    }
+
     fn count(&mut self, defect: Defect, sentence: impl FnOnce() -> String) {
         match self.counted.iter_mut().find(|known| known.defect == defect) {
             Some(known) => known.count += 1,

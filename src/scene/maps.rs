@@ -116,6 +116,12 @@ fn load(
             if statement.stands_alone {
                 material.albedo = Vec3::ONE;
             }
+            let texture = if texture.exceeds_one() {
+                defects.add_at(Defect::ColourAboveOne, &statement.place);
+                Arc::new(texture.clamped_to_one())
+            } else {
+                texture
+            };
             material.albedo_map = Some(statement.map(texture));
         }
     }

@@ -38,7 +38,7 @@ pub use file::Override;
 pub use golden::{GoldenKeys, PixelLimit};
 pub use light::{Area, Directional, Environment, Light, LightKind, Point, Radiance, Spot};
 pub(crate) use light::{
-    LightSample, PlacedEnvironment, PlacedLight, PlacedLights, PlacedRectangle,
+    Incident, LightSample, PlacedEnvironment, PlacedLight, PlacedLights, PlacedRectangle, PlacedSun,
 };
 pub use material::Material;
 pub(crate) use mesh::same_corners;

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use super::{Ray, Surface, SurfacePoint, offset_origin};
 use crate::maths::sobol::ScrambledSobol;
-use crate::scene::{LightSample, PlacedLight, PlacedRectangle, max_component};
+use crate::scene::{Incident, LightSample, PlacedLight, PlacedRectangle, max_component};
 use crate::simd::Level;
 
 /// Points of a vertex's area where its direct light is not uniform: 8 get
@@ -140,8 +140,24 @@ impl<'a> Shadows<'a> {
         points: LightPoints,
         found: &mut Found,
     ) {
+        self.follow_all(
+            &light.incident(point.position, point.normal),
+            point,
+            points,
+            found,
+        );
+    }
+
+    /// Adds what reaches one point, as of `incident`: of the point itself, or of
+    /// another one less than a pixel away.
+    pub(crate) fn follow_all(
+        &self,
+        incident: &Incident,
+        point: &SurfacePoint,
+        points: LightPoints,
+        found: &mut Found,
+    ) {
         found.count += 1;
-        let incident = light.incident(point.position, point.normal);
         let open = incident.open();
         if open == Vec3::ZERO {
             return;
@@ -154,6 +170,7 @@ impl<'a> Shadows<'a> {
             }
             return;
         }
+        let mut asked = false;
         let share = 1.0 / points.count as f32;
         for index in points.first..points.first + points.count {
             let Some(sample) = incident.sample(points.set.point2(index)) else {
@@ -162,7 +179,14 @@ impl<'a> Shadows<'a> {
             let brings = sample.irradiance_on(point.normal);
             if brings != Vec3::ZERO {
                 self.follow(&sample, brings * share, point, found);
+                asked = true;
             }
+        }
+        // Light that no point of it spoke for counts as if nothing hid it.
+        if !asked {
+            found.is_lit = true;
+            found.all += open;
+            found.lit += open;
         }
     }
 

@@ -176,6 +176,28 @@ impl Texture {
         self.size
     }
 
+    /// Whether a value is above 1, as in an image of radiance.
+    pub(crate) fn exceeds_one(&self) -> bool {
+        match &self.finest {
+            Finest::Levels(_) => false,
+            Finest::Linear(values) => values.iter().any(|v| v.max_element() > 1.0),
+        }
+    }
+
+    /// The same with values above 1 taken for 1.
+    pub(crate) fn clamped_to_one(&self) -> Self {
+        let values = match &self.finest {
+            Finest::Levels(_) => return self.clone(),
+            Finest::Linear(values) => values.iter().map(|v| v.min(Vec3::ONE)).collect(),
+        };
+        let mut digest = self.digest;
+        digest[0] ^= 1;
+        Self {
+            digest,
+            ..Self::new(&self.path, self.size, Pixels::Linear(values))
+        }
+    }
+
     /// Bytes in memory, smaller copies included.
     pub fn bytes(&self) -> usize {
         let finest = match &self.finest {

@@ -90,9 +90,10 @@ impl PlacedEnvironment {
     /// `spread_rad` wide.
     pub(crate) fn radiance(&self, direction: Vec3, spread_rad: f32) -> Vec3 {
         match &self.radiance {
-            Radiance::Constant(radiance) => *radiance * self.scale,
+            Radiance::Constant(radiance) => bounded(*radiance * self.scale),
             Radiance::Map(map) => {
-                map.radiance(self.map_from_world(direction), spread_rad) * self.scale
+                let radiance = map.radiance(self.map_from_world(direction), spread_rad);
+                bounded(radiance * self.scale)
             }
         }
     }
@@ -104,8 +105,8 @@ impl PlacedEnvironment {
             Radiance::Constant(radiance) => vec![*radiance; CELL_COUNT],
             Radiance::Map(map) => map.cell_means(|direction| self.map_from_world(direction)),
         };
-        let factor = std::f32::consts::PI * self.scale;
-        means.into_iter().map(|mean| mean * factor).collect()
+        let irradiance = |mean| bounded(mean * self.scale) * std::f32::consts::PI;
+        means.into_iter().map(irradiance).collect()
     }
 
     /// The sun of a map, if it has one.
@@ -116,7 +117,7 @@ impl PlacedEnvironment {
         let sun = map.sun()?;
         Some(PlacedSun {
             direction: self.world_from_map(sun.direction),
-            irradiance: sun.irradiance * self.scale,
+            irradiance: bounded(sun.irradiance * self.scale),
             radius_rad: sun.radius_rad,
         })
     }
@@ -151,6 +152,12 @@ impl PlacedEnvironment {
         let [cos, sin] = self.turn;
         Vec3::new(d.x * cos + d.z * sin, d.y, d.z * cos - d.x * sin)
     }
+}
+
+/// Radiance is bounded like any other number of the scene file, also where a
+/// factor multiplies it: infinity times black would be no colour.
+fn bounded(radiance: Vec3) -> Vec3 {
+    radiance.min(Vec3::splat(LARGEST as f32))
 }
 
 fn map_path(item: &Item, sources: &Sources<'_>) -> Result<PathBuf, SceneError> {

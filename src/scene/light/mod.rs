@@ -1,5 +1,6 @@
 //! Lights. One file a kind: the keys it has, and the irradiance it gives.
-//! A new kind is one file here and one line in each table below.
+//! A new kind is one file here, one line in each table below and in
+//! [`placed`], which says what of it lights, stands in the way and is seen.
 
 mod area;
 mod directional;
@@ -25,6 +26,7 @@ pub(crate) use placed::PlacedLights;
 pub use point::Point;
 pub(crate) use polygon::Polygon;
 pub use spot::Spot;
+pub(crate) use sun::PlacedSun;
 
 use super::SceneError;
 use super::file::fields::Fields;
@@ -213,6 +215,11 @@ impl PlacedLight {
             open: sample.irradiance_on(normal),
             sample,
         }
+    }
+
+    /// Whether each point is lit from one direction.
+    pub(crate) fn is_sharp(&self) -> bool {
+        !matches!(self, Self::Surfaces(_) | Self::Sun(_))
     }
 
     /// Whether the light has edges of its own; see [`Self::edge_between`].

@@ -7,7 +7,7 @@ use glam::{Vec2, Vec3};
 
 use super::emitters::Emitters;
 use super::polygon::Polygon;
-use super::{Light, LightKind, PlacedEnvironment, PlacedLight, PlacedRectangle};
+use super::{Light, LightKind, PlacedEnvironment, PlacedLight, PlacedRectangle, PlacedSun};
 use crate::maths::sobol::ScrambledSobol;
 use crate::scene::{Material, MeshTriangle, Placement, Scene, same_corners};
 use crate::texture::TextureMap;
@@ -44,8 +44,10 @@ impl PlacedLights {
             let emitters = Arc::new(Emitters::new(polygons));
             lights.sources.push(PlacedLight::Surfaces(emitters));
         }
-        let suns = lights.skies.iter().filter_map(PlacedEnvironment::sun);
-        lights.sources.extend(suns.map(PlacedLight::Sun));
+        let suns = lights.suns();
+        lights
+            .sources
+            .extend(suns.into_iter().map(PlacedLight::Sun));
         lights
     }
 
@@ -79,6 +81,14 @@ impl PlacedLights {
             }
         }
         lights
+    }
+
+    /// The suns of environment maps.
+    pub(crate) fn suns(&self) -> Vec<PlacedSun> {
+        self.skies
+            .iter()
+            .filter_map(PlacedEnvironment::sun)
+            .collect()
     }
 
     /// Radiance of the sky from a unit direction, W/(m2 sr), mean over a cone

@@ -167,6 +167,30 @@ impl Polygon {
         }
     }
 
+    /// A point of the part above the horizon of `normal` at `position`, uniform
+    /// over that part's area, from two uniforms; and that area. `None` where the
+    /// polygon is wholly below.
+    pub(super) fn sample_above(
+        &self,
+        position: DVec3,
+        normal: DVec3,
+        u: [f32; 2],
+    ) -> Option<(DVec3, f64)> {
+        let (corners, count) = self.corners();
+        let corners = corners.map(|corner| corner - position);
+        let heights = corners.map(|corner| normal.dot(corner));
+        let above = heights[..count].iter().filter(|&&h| h > 0.0).count();
+        if above == count {
+            return Some((self.sample_point(u), self.area));
+        }
+        if above == 0 {
+            return None;
+        }
+        let (clipped, count) = lambert::above_horizon(&corners[..count], &heights[..count]);
+        let (point, area) = point_of_fan(&clipped[..count], u);
+        (area > 0.0).then_some((point + position, area))
+    }
+
     /// [`Self::sample_point`] rounded.
     #[cfg(test)]
     pub(crate) fn sample(&self, u: [f32; 2]) -> Vec3 {
@@ -186,4 +210,30 @@ impl Polygon {
         };
         self.corner + self.edge_u * along_u + self.edge_v * along_v
     }
+}
+
+/// A point uniform over the area of a convex polygon, cut as a fan from its
+/// first corner, and the area.
+fn point_of_fan(corners: &[DVec3], [u, v]: [f32; 2]) -> (DVec3, f64) {
+    let apex = corners[0];
+    let mut areas = [0.0; lambert::MOST_CORNERS];
+    let mut total = 0.0;
+    for (k, edge) in corners[1..].windows(2).enumerate() {
+        total += 0.5 * (edge[0] - apex).cross(edge[1] - apex).length();
+        areas[k] = total;
+    }
+    let last = corners.len() - 3;
+    let target = f64::from(u) * total;
+    let k = areas[..last].iter().filter(|&&area| area <= target).count();
+    let before = if k == 0 { 0.0 } else { areas[k - 1] };
+    let width = areas[k] - before;
+    let rest = if width > 0.0 {
+        (target - before) / width
+    } else {
+        0.0
+    };
+    let root = rest.clamp(0.0, 1.0).sqrt();
+    let along = f64::from(v) * root;
+    let point = apex + (corners[k + 1] - apex) * (root - along) + (corners[k + 2] - apex) * along;
+    (point, total)
 }

@@ -19,9 +19,16 @@ pub(crate) struct PlacedSun {
 }
 
 impl PlacedSun {
-    /// Irradiance on a plane of unit `normal`, W/m2, as of its middle.
+    /// Irradiance on a plane of unit `normal`, W/m2, as of its middle: a disc cut
+    /// by the horizon is there or not, all of it.
     pub(super) fn unoccluded(&self, normal: Vec3) -> Vec3 {
         self.irradiance * self.direction.dot(normal).max(0.0)
+    }
+
+    /// Whether a unit direction leads to the disc or the blur of its border: of
+    /// a sun of one texel that reaches to twice its radius.
+    pub(crate) fn contains(&self, direction: Vec3) -> bool {
+        direction.dot(self.direction) >= cos(2.0 * f64::from(self.radius_rad)) as f32
     }
 
     /// A direction uniform over the disc.

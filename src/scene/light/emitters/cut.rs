@@ -78,7 +78,7 @@ impl LightCut {
 
     /// A point of the emitters this cut was made from, chosen by two uniforms:
     /// an entry in proportion to its irradiance, in a node a polygon by its
-    /// power, in a polygon a point by area.
+    /// power, in a polygon a point by area of what is above the horizon.
     ///
     /// The sample's irradiance is divided by the density of that choice, so
     /// that the mean over the uniforms of irradiance x cosine is
@@ -115,16 +115,18 @@ impl LightCut {
         u: [f32; 2],
         probability: f32,
     ) -> Option<LightSample> {
-        let to_light = polygon.sample_point(u) - self.position.as_dvec3();
+        let (position, normal) = (self.position.as_dvec3(), self.normal.as_dvec3());
+        let (point, area) = polygon.sample_above(position, normal, u)?;
+        let to_light = point - position;
         let squared = to_light.length_squared();
         let distance = squared.sqrt();
         let front = -polygon.normal().dot(to_light);
-        let above = self.normal.as_dvec3().dot(to_light);
+        let above = normal.dot(to_light);
         if !(front > 0.0 && above > 0.0 && probability > 0.0) {
             return None;
         }
         // L cos dA / r^2, with cos = front / r and dA = area.
-        let factor = front * polygon.area() / (squared * distance * f64::from(probability));
+        let factor = front * area / (squared * distance * f64::from(probability));
         Some(LightSample {
             direction: (to_light / distance).as_vec3(),
             distance: distance as f32,

@@ -10,7 +10,7 @@
 use glam::DVec3;
 
 /// A quadrilateral cut by one plane has at most five corners.
-const MOST_CORNERS: usize = 5;
+pub(super) const MOST_CORNERS: usize = 5;
 
 /// Coefficients 1 to 10 of the powers of u = t^2 in atan(t)/t on 0 <= t <= 1;
 /// coefficient 0 is 1. Interpolates at Chebyshev nodes; error below 1.4e-9,
@@ -48,7 +48,7 @@ pub(super) fn form_factor<const N: usize>(corners: [DVec3; N], n: DVec3) -> f64 
 
 /// The part of a convex polygon with positive heights, and its corner count
 /// (Sutherland and Hodgman, "Reentrant Polygon Clipping", CACM 1974).
-fn above_horizon(corners: &[DVec3], heights: &[f64]) -> ([DVec3; MOST_CORNERS], usize) {
+pub(super) fn above_horizon(corners: &[DVec3], heights: &[f64]) -> ([DVec3; MOST_CORNERS], usize) {
     let mut clipped = [DVec3::ZERO; MOST_CORNERS];
     let mut count = 0;
     let mut keep = |corner: DVec3| {
