@@ -18,7 +18,7 @@ const MAP_POINTS: u32 = 64;
 const SEED: u32 = 0xe317;
 /// Triangles whose emission a map varies are cut into four again and again, as
 /// long as there are no more pieces than this.
-const MOST_PIECES: usize = 4096;
+const MOST_PIECES: usize = 512;
 /// Cuts beyond which a piece is as small as a shadow is soft.
 const MOST_CUTS: u32 = 3;
 
