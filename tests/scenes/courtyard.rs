@@ -51,19 +51,19 @@ pub(crate) fn model() -> Model {
         ),
         left_wall(),
         right_wall(),
-        bench().moved(LEFT + 0.7, 0.0, 1.9),
-        cuboid("lantern", "pane", [-4.2, 1.4, 0.8], [-4.0, 1.6, 1.0]),
+        bench().moved(LEFT + 0.55, 0.0, 1.3),
+        cuboid("lantern", "pane", [-4.2, 1.4, -0.8], [-4.0, 1.6, -0.6]),
         cuboid(
             "lantern_cap",
             "iron",
-            [-4.22, 1.595, 0.78],
-            [-3.98, 1.63, 1.02],
+            [-4.22, 1.595, -0.82],
+            [-3.98, 1.63, -0.58],
         ),
         cuboid(
             "lantern_foot",
             "iron",
-            [-4.22, 1.36, 0.78],
-            [-3.98, 1.405, 1.02],
+            [-4.22, 1.36, -0.82],
+            [-3.98, 1.405, -0.58],
         ),
         vase::turned_on_a_lathe("urn", "clay", [32, 60]).moved(2.35, GALLERY_FLOOR - SUNK, -1.15),
     ];
@@ -158,27 +158,35 @@ fn arcade() -> Body {
     )
 }
 
-/// A brick wall with a niche for the lantern.
+/// A brick wall with a niche for the lantern, higher beside the gallery.
 fn left_wall() -> Body {
     solid(
         "left_wall",
         "bricks",
         &Grid([
             &[LEFT - 0.6, LEFT - 0.4, LEFT],
-            &[0.0, 1.37, 1.95, 2.9],
-            &[GALLERY_BACK - 0.3, 0.6, 1.2, NEAR],
+            &[0.0, 1.37, 1.95, 2.9, ROOF_Y + SUNK],
+            &[GALLERY_BACK - 0.3, ARCADE_FRONT, -1.0, -0.4, NEAR],
         ]),
-        |[i, j, k]| !(i == 1 && j == 1 && k == 1),
+        |[i, j, k]| match (j, k) {
+            (1, 2) => i == 0,
+            (3, _) => k == 0,
+            _ => true,
+        },
     )
 }
 
-/// A low wall that lets the sun in.
+/// A wall that is low enough beside the courtyard to let the evening sun in.
 fn right_wall() -> Body {
-    cuboid(
+    solid(
         "right_wall",
         "bricks",
-        [RIGHT, 0.0, GALLERY_BACK - 0.3],
-        [RIGHT + 0.4, 1.3, NEAR],
+        &Grid([
+            &[RIGHT, RIGHT + 0.4],
+            &[0.0, 1.3, ROOF_Y + SUNK],
+            &[GALLERY_BACK - 0.3, ARCADE_FRONT, NEAR],
+        ]),
+        |[_, j, k]| j == 0 || k == 0,
     )
 }
 

@@ -104,7 +104,7 @@ pub(crate) fn evening_sky() -> Picture {
     }
 }
 
-/// Radiance of a texel of the sun, W/(m2 sr); a texel there has 0.0095 sr.
+/// Radiance of a texel of the sun, W/(m2 sr); a texel there has 0.0093 sr.
 const SUN: DVec3 = DVec3::new(150.0, 78.0, 30.0);
 /// Row of the sun: 14 degrees above the horizon.
 const SUN_ROW: usize = 13;
@@ -114,8 +114,8 @@ fn sky_radiance(direction: DVec3) -> DVec3 {
     if direction.y < 0.0 {
         return DVec3::new(0.1, 0.085, 0.07);
     }
-    let zenith = DVec3::new(0.1, 0.17, 0.36);
-    let horizon = DVec3::new(0.5, 0.38, 0.36);
+    let zenith = DVec3::new(0.06, 0.1, 0.25);
+    let horizon = DVec3::new(0.36, 0.27, 0.32);
     let glow = DVec3::new(1.5, 0.7, 0.22);
     let height = libm::sqrt(direction.y);
     let towards_sun = 0.5 + 0.5 * direction.z;
