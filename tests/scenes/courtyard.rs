@@ -1,6 +1,6 @@
 //! A paved courtyard with an arcade, open to the sky.
 
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 
 use super::body::{Body, Shape};
 use super::cells::{Grid, QuadCollector, cuboid, solid};
@@ -28,10 +28,12 @@ const PIER_WIDTH: f64 = 0.5;
 /// How deep bodies lie in their neighbours, metres: no light gap, and no
 /// coplanar faces.
 const SUNK: f64 = 0.012;
+/// The lantern's pane.
+const PANE_X: f64 = -4.15;
 /// Chords of an arch.
 const CHORDS: usize = 12;
 
-/// All bodies are closed, but for the ground.
+/// All bodies are closed, but for the ground and the lantern's pane.
 pub(crate) fn model() -> Model {
     let bodies = vec![
         ground(),
@@ -52,19 +54,13 @@ pub(crate) fn model() -> Model {
         left_wall(),
         right_wall(),
         bench().moved(LEFT + 0.55, 0.0, 1.3),
-        cuboid("lantern", "pane", [-4.2, 1.4, -0.8], [-4.0, 1.6, -0.6]),
         cuboid(
-            "lantern_cap",
+            "lantern",
             "iron",
-            [-4.22, 1.595, -0.82],
-            [-3.98, 1.63, -0.58],
+            [-4.32, 1.36, -0.82],
+            [PANE_X - 0.002, 1.64, -0.58],
         ),
-        cuboid(
-            "lantern_foot",
-            "iron",
-            [-4.22, 1.36, -0.82],
-            [-3.98, 1.405, -0.58],
-        ),
+        pane(),
         vase::turned_on_a_lathe("urn", "clay", [32, 60]).moved(2.35, GALLERY_FLOOR - SUNK, -1.15),
     ];
     let materials = vec![
@@ -103,8 +99,17 @@ fn ground() -> Body {
     let grid = Grid([&[-9.0, 9.0], &[0.0, 1.0], &[-9.0, NEAR]]);
     let mut quads = QuadCollector::default();
     quads.add("paving", grid.side([0; 3], 1, false), false);
-    let seen_from = glam::DVec3::Y;
+    let seen_from = DVec3::Y;
     quads.body("ground", Shape::Open { seen_from }, &grid)
+}
+
+/// The glowing front of the lantern, 0.2 m wide: one picture fills it.
+fn pane() -> Body {
+    let grid = Grid([&[PANE_X, 0.0], &[1.4, 1.6], &[-0.8, -0.6]]);
+    let mut quads = QuadCollector::default();
+    quads.add("pane", grid.side([0; 3], 0, false), false);
+    let seen_from = DVec3::new(0.0, 1.5, -0.7);
+    quads.body("pane", Shape::Open { seen_from }, &grid)
 }
 
 /// Two steps along the arcade; the upper one is the gallery's floor.

@@ -10,7 +10,7 @@ use image::{ExtendedColorType, ImageEncoder, Rgb};
 /// Side of a repeating picture, pixels.
 const TILE_SIDE: usize = 128;
 /// Side of the picture of a lantern's pane.
-const PANE_SIDE: usize = 32;
+const PANE_SIDE: usize = 16;
 /// The evening sky.
 const SKY_SIZE: [usize; 2] = [64, 32];
 
@@ -69,7 +69,7 @@ pub(crate) fn bricks() -> Picture {
 pub(crate) fn pane() -> Picture {
     let glow = |place: DVec2| {
         let from_middle = (place - 0.5).abs();
-        if from_middle.min_element() < 0.04 || from_middle.max_element() > 0.42 {
+        if from_middle.min_element() < 0.05 || from_middle.max_element() > 0.42 {
             return DVec3::splat(0.02);
         }
         DVec3::splat(1.0 - 0.7 * from_middle.length())
