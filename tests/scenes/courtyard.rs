@@ -14,6 +14,7 @@ use super::statues::vase;
 const LEFT: f64 = -4.0;
 const RIGHT: f64 = 4.0;
 const ARCADE_FRONT: f64 = -1.6;
+const STEPS_FRONT: f64 = ARCADE_FRONT + 1.25;
 const GALLERY_BACK: f64 = -4.0;
 const NEAR: f64 = 7.0;
 /// Height of the gallery's floor: two steps.
@@ -94,11 +95,18 @@ pub(crate) fn model() -> Model {
     }
 }
 
-/// The paving, one sheet under everything.
+/// The paving, one sheet under everything, cut where the steps and the walls
+/// stand on it: light on its open part is told from the dark below them.
 fn ground() -> Body {
-    let grid = Grid([&[-9.0, 9.0], &[0.0, 1.0], &[-9.0, NEAR]]);
+    let grid = Grid([
+        &[LEFT - 1.0, LEFT, RIGHT, RIGHT + 1.0],
+        &[0.0, 1.0],
+        &[GALLERY_BACK - 0.6, STEPS_FRONT, NEAR],
+    ]);
     let mut quads = QuadCollector::default();
-    quads.add("paving", grid.side([0; 3], 1, false), false);
+    for (i, k) in [(0, 0), (0, 1), (1, 0), (1, 1), (2, 0), (2, 1)] {
+        quads.add("paving", grid.side([i, 0, k], 1, false), false);
+    }
     let seen_from = DVec3::Y;
     quads.body("ground", Shape::Open { seen_from }, &grid)
 }
@@ -120,7 +128,7 @@ fn steps() -> Body {
         &Grid([
             &[LEFT - SUNK, RIGHT + SUNK],
             &[0.0, 0.5 * GALLERY_FLOOR, GALLERY_FLOOR],
-            &[GALLERY_BACK - SUNK, ARCADE_FRONT + 0.9, ARCADE_FRONT + 1.25],
+            &[GALLERY_BACK - SUNK, ARCADE_FRONT + 0.9, STEPS_FRONT],
         ]),
         |[_, j, k]| j == 0 || k == 0,
     )

@@ -13,6 +13,10 @@ const TILE_SIDE: usize = 128;
 const PANE_SIDE: usize = 16;
 /// The evening sky.
 const SKY_SIZE: [usize; 2] = [64, 32];
+/// Radiance of a texel of the sun, W/(m2 sr); a texel there has 0.0093 sr.
+const SUN: DVec3 = DVec3::new(150.0, 78.0, 30.0);
+/// Row of the sun: 14 degrees above the horizon.
+const SUN_ROW: usize = 13;
 
 /// A file of a scene beside its mesh.
 pub(crate) struct Picture {
@@ -23,7 +27,7 @@ pub(crate) struct Picture {
 }
 
 /// Rows of stones with joints between them, every other row moved by half a
-/// stone; stones across and rows are even or whole, so that the picture repeats.
+/// stone. The picture repeats, for the number of rows is even.
 struct Masonry {
     stones_across: u32,
     rows: u32,
@@ -37,7 +41,7 @@ struct Masonry {
     seed: u32,
 }
 
-/// Square slabs of warm limestone.
+/// Slabs of warm limestone.
 pub(crate) fn paving() -> Picture {
     let masonry = Masonry {
         stones_across: 3,
@@ -103,11 +107,6 @@ pub(crate) fn evening_sky() -> Picture {
         bytes,
     }
 }
-
-/// Radiance of a texel of the sun, W/(m2 sr); a texel there has 0.0093 sr.
-const SUN: DVec3 = DVec3::new(150.0, 78.0, 30.0);
-/// Row of the sun: 14 degrees above the horizon.
-const SUN_ROW: usize = 13;
 
 /// Radiance of the sky and the ground without the sun, W/(m2 sr).
 fn sky_radiance(direction: DVec3) -> DVec3 {
