@@ -1,5 +1,5 @@
-//! The scenes of `scenes/`: their meshes are generated here, and the files in
-//! the repository must be the generator's bytes.
+//! The scenes of `scenes/`: their meshes and pictures are generated here, and
+//! the files in the repository must be the generator's bytes.
 //!
 //! `RELUME_UPDATE_SCENES=1 cargo test --test scenes` writes them anew; that run
 //! fails, so that a rewritten scene cannot pass unnoticed. The TOML files beside
@@ -15,13 +15,15 @@ use generator::body::{Body, Shape};
 use generator::model::Model;
 use generator::{obj, topology};
 use glam::DVec3;
+use relume::Scene;
 
 /// Environment variable that makes the test write the files.
 const UPDATE: &str = "RELUME_UPDATE_SCENES";
 /// The repository stays small: most bytes of all generated files together.
 const MOST_BYTES_IN_ALL: usize = 8_000_000;
-/// Most bytes of one OBJ file.
-const MOST_BYTES_A_MESH: usize = 4_000_000;
+/// Most bytes of one file: the mesh of the statues, and of any other scene.
+const MOST_BYTES_OF_STATUES: usize = 4_000_000;
+const MOST_BYTES_A_FILE: usize = 350_000;
 /// Smallest triangle, square metres: a tenth of a millimetre by ten; anything
 /// smaller is a slip of the generator, not a detail of a scene.
 const SMALLEST_AREA: f64 = 1e-7;
@@ -30,21 +32,35 @@ fn scenes_folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes")
 }
 
-/// The generated files of a scene: path and text.
-fn generated_files(model: &Model) -> Vec<(PathBuf, String)> {
-    let stem = scenes_folder().join(model.name).join(model.name);
-    vec![
-        (stem.with_extension("obj"), obj::mesh_text(model)),
-        (stem.with_extension("mtl"), obj::material_text(model)),
-    ]
+/// The generated files of a scene: path and content.
+fn generated_files(model: &Model) -> Vec<(PathBuf, Vec<u8>)> {
+    let folder = scenes_folder().join(model.name);
+    let stem = folder.join(model.name);
+    let mut files = vec![
+        (stem.with_extension("obj"), obj::mesh_text(model).into()),
+        (stem.with_extension("mtl"), obj::material_text(model).into()),
+    ];
+    let pictures = model.pictures.iter();
+    files.extend(pictures.map(|picture| (folder.join(picture.name), picture.bytes.clone())));
+    files
+}
+
+/// The scene files of a scene: every TOML file of its folder.
+fn scene_files(model: &Model) -> Vec<PathBuf> {
+    let folder = scenes_folder().join(model.name);
+    let entries = fs::read_dir(&folder).expect("a scene has a folder");
+    let paths = entries.map(|entry| entry.expect("the folder can be listed").path());
+    paths
+        .filter(|path| path.extension().is_some_and(|ending| ending == "toml"))
+        .collect()
 }
 
 #[test]
 fn the_files_are_the_generators_bytes() {
     let update = std::env::var_os(UPDATE).is_some_and(|value| value == "1");
     let mut written = Vec::new();
-    for (path, text) in generator::all().iter().flat_map(generated_files) {
-        if fs::read_to_string(&path).is_ok_and(|found| found == text) {
+    for (path, bytes) in generator::all().iter().flat_map(generated_files) {
+        if fs::read(&path).is_ok_and(|found| found == bytes) {
             continue;
         }
         assert!(
@@ -54,7 +70,7 @@ fn the_files_are_the_generators_bytes() {
         );
         let folder = path.parent().expect("a scene file lies in a folder");
         fs::create_dir_all(folder).expect("the scene's folder can be created");
-        fs::write(&path, text).expect("the scene file can be written");
+        fs::write(&path, bytes).expect("the scene file can be written");
         written.push(path);
     }
     assert!(
@@ -66,39 +82,64 @@ fn the_files_are_the_generators_bytes() {
 #[test]
 fn every_scene_file_names_its_generated_mesh() {
     for model in generator::all() {
-        let path = scenes_folder()
-            .join(model.name)
-            .join(format!("{}.toml", model.name));
-        let text = fs::read_to_string(&path)
-            .unwrap_or_else(|error| panic!("{} cannot be read: {error}", path.display()));
+        let paths = scene_files(&model);
+        let main = format!("{}.toml", model.name);
+        assert!(
+            paths.iter().any(|path| path.ends_with(&main)),
+            "{main} is missing"
+        );
         let mesh = format!("mesh = \"{}.obj\"", model.name);
-        assert!(
-            text.lines().any(|line| line.trim_end() == mesh),
-            "{} does not say {mesh}",
-            path.display()
-        );
-        assert!(
-            text.starts_with('#'),
-            "{} starts with what it shows",
-            path.display()
-        );
+        for path in paths {
+            let text = fs::read_to_string(&path)
+                .unwrap_or_else(|error| panic!("{} cannot be read: {error}", path.display()));
+            assert!(
+                text.lines().any(|line| line.trim_end() == mesh),
+                "{} does not say {mesh}",
+                path.display()
+            );
+            assert!(
+                text.starts_with('#'),
+                "{} starts with what it shows",
+                path.display()
+            );
+        }
+    }
+}
+
+#[test]
+fn every_scene_file_loads_without_a_warning() {
+    for path in generator::all().iter().flat_map(scene_files) {
+        let scene = Scene::load(&path, &[]).unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!(scene.warnings, [""; 0], "{}", path.display());
     }
 }
 
 #[test]
 fn the_files_are_small() {
     let mut total = 0;
-    for (path, text) in generator::all().iter().flat_map(generated_files) {
+    for (path, bytes) in generator::all().iter().flat_map(generated_files) {
+        let most = if path.ends_with("statues.obj") {
+            MOST_BYTES_OF_STATUES
+        } else {
+            MOST_BYTES_A_FILE
+        };
         assert!(
-            text.len() <= MOST_BYTES_A_MESH,
+            bytes.len() <= most,
             "{} has {} bytes",
             path.display(),
-            text.len()
+            bytes.len()
         );
-        assert!(!text.contains("-0.0000 "), "{}: -0", path.display());
-        total += text.len();
+        total += bytes.len();
     }
     assert!(total <= MOST_BYTES_IN_ALL, "{total} bytes in all");
+}
+
+#[test]
+fn no_mesh_holds_a_negative_zero() {
+    for model in generator::all() {
+        let text = obj::mesh_text(&model);
+        assert!(!text.contains("-0.0000 "), "{}: -0", model.name);
+    }
 }
 
 /// Runs a check on every body of every scene.

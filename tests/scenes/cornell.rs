@@ -2,14 +2,14 @@
 
 use super::body::Body;
 use super::cells::{Grid, cuboid};
-use super::model::Model;
+use super::model::{Material, Model};
 use super::room::{Room, Wall};
 
 /// Measured reflectances of the Cornell box, as linear RGB.
-const MATERIALS: [(&str, [f64; 3]); 3] = [
-    ("white", [0.725, 0.71, 0.68]),
-    ("red", [0.63, 0.065, 0.05]),
-    ("green", [0.14, 0.45, 0.091]),
+const MATERIALS: [Material; 3] = [
+    Material::plain("white", [0.725, 0.71, 0.68]),
+    Material::plain("red", [0.63, 0.065, 0.05]),
+    Material::plain("green", [0.14, 0.45, 0.091]),
 ];
 
 /// The box, 2 m wide, open towards +z.
@@ -35,7 +35,12 @@ pub(crate) fn model() -> Model {
             .turned(17.0)
             .moved(-0.35, 0.0, -0.3),
     ];
-    Model::new("cornell", "A box with coloured sides", &MATERIALS, bodies)
+    Model::new(
+        "cornell",
+        "A box with coloured sides",
+        MATERIALS.to_vec(),
+        bodies,
+    )
 }
 
 /// A square block on the floor around the vertical axis.

@@ -1,14 +1,18 @@
-//! The generator of the meshes in `scenes/`.
+//! The generator of the meshes and pictures in `scenes/`.
 //!
-//! One file a scene; [`body`], [`cells`], [`rings`] and [`profile`] are what
-//! they are built from, [`obj`] prints them and [`topology`] checks them.
+//! One file a scene; [`body`], [`cells`], [`extrusion`], [`rings`] and
+//! [`profile`] are what they are built from, [`obj`] prints them, [`topology`]
+//! checks them and [`pictures`] paints what lies beside them.
 //! Elementary functions come from `libm`, so the bytes are the same everywhere.
 
 pub(crate) mod body;
 mod cells;
 mod cornell;
+mod courtyard;
+mod extrusion;
 pub(crate) mod model;
 pub(crate) mod obj;
+pub(crate) mod pictures;
 mod plank;
 mod profile;
 mod rings;
@@ -30,5 +34,6 @@ pub(crate) fn all() -> Vec<Model> {
         plank::model(),
         sphere::model(),
         sheet::model(),
+        courtyard::model(),
     ]
 }

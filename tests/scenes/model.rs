@@ -1,6 +1,7 @@
-//! A whole scene's mesh: materials and bodies.
+//! A whole scene: materials, bodies, and the pictures beside the mesh.
 
 use super::body::Body;
+use super::pictures::Picture;
 
 /// Decimals of a printed position. Positions are rounded to them on entry, so
 /// that what the tests check is what the file holds.
@@ -12,10 +13,68 @@ pub(crate) struct Model {
     pub(crate) name: &'static str,
     /// First line of the OBJ file.
     pub(crate) title: &'static str,
-    /// MTL name and `Kd`, linear Rec.709.
-    pub(crate) materials: Vec<(&'static str, [f64; 3])>,
+    /// Printed in this order.
+    pub(crate) materials: Vec<Material>,
     /// Printed in this order.
     pub(crate) bodies: Vec<Body>,
+    /// Textures, and maps of the sky that the scene files name.
+    pub(crate) pictures: Vec<Picture>,
+}
+
+/// A material of the MTL file.
+#[derive(Clone)]
+pub(crate) struct Material {
+    pub(crate) name: &'static str,
+    /// `Kd`, linear Rec.709.
+    pub(crate) albedo: [f64; 3],
+    /// `Ke`, W/(m2 sr).
+    pub(crate) emission: [f64; 3],
+    /// Its image map, if it has one.
+    pub(crate) map: Option<Map>,
+}
+
+/// An image map, laid onto each face along the axis that the face faces most.
+#[derive(Clone, Copy)]
+pub(crate) struct Map {
+    pub(crate) kind: MapKind,
+    /// Name of a [`Picture`].
+    pub(crate) file: &'static str,
+    /// Metres after which it repeats, from the origin on.
+    pub(crate) period: f64,
+}
+
+/// What a map is multiplied with.
+#[derive(Clone, Copy)]
+pub(crate) enum MapKind {
+    /// `map_Kd`.
+    Albedo,
+    /// `map_Ke`.
+    Emission,
+}
+
+impl Material {
+    /// One colour all over.
+    pub(crate) const fn plain(name: &'static str, albedo: [f64; 3]) -> Self {
+        Self {
+            name,
+            albedo,
+            emission: [0.0; 3],
+            map: None,
+        }
+    }
+
+    /// White times a map.
+    pub(crate) const fn mapped(
+        name: &'static str,
+        kind: MapKind,
+        file: &'static str,
+        period: f64,
+    ) -> Self {
+        Self {
+            map: Some(Map { kind, file, period }),
+            ..Self::plain(name, [1.0; 3])
+        }
+    }
 }
 
 impl Model {
@@ -23,15 +82,22 @@ impl Model {
     pub(crate) fn new(
         name: &'static str,
         title: &'static str,
-        materials: &[(&'static str, [f64; 3])],
+        materials: Vec<Material>,
         bodies: Vec<Body>,
     ) -> Self {
         Self {
             name,
             title,
-            materials: materials.to_vec(),
+            materials,
             bodies: bodies.into_iter().map(rounded).collect(),
+            pictures: Vec::new(),
         }
+    }
+
+    /// The map of a material.
+    pub(crate) fn map_of(&self, material: &str) -> Option<Map> {
+        let found = self.materials.iter().find(|m| m.name == material);
+        found.and_then(|material| material.map)
     }
 
     /// Positions of the file.

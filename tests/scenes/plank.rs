@@ -1,13 +1,13 @@
 //! A plank that leans against a wall.
 
 use super::cells::{Grid, cuboid};
-use super::model::Model;
+use super::model::{Material, Model};
 use super::room::{Room, Wall};
 
-const MATERIALS: [(&str, [f64; 3]); 3] = [
-    ("floor", [0.42, 0.4, 0.38]),
-    ("wall", [0.66, 0.67, 0.7]),
-    ("wood", [0.55, 0.27, 0.1]),
+const MATERIALS: [Material; 3] = [
+    Material::plain("floor", [0.42, 0.4, 0.38]),
+    Material::plain("wall", [0.66, 0.67, 0.7]),
+    Material::plain("wood", [0.55, 0.27, 0.1]),
 ];
 
 /// Length and thickness of the plank, metres.
@@ -30,7 +30,7 @@ pub(crate) fn model() -> Model {
     Model::new(
         "plank",
         "A plank that leans against a wall",
-        &MATERIALS,
+        MATERIALS.to_vec(),
         vec![room.build(), plank()],
     )
 }

@@ -4,19 +4,19 @@ use glam::DVec3;
 
 use super::body::{Body, Face, Shape};
 use super::cells::{Grid, cuboid};
-use super::model::Model;
+use super::model::{Material, Model};
 use super::room::{Room, Wall};
 
 /// The halves have materials of their own, so that no program that joins equal
 /// positions of one material can join them.
-const MATERIALS: [(&str, [f64; 3]); 7] = [
-    ("lit_white", [0.7, 0.7, 0.7]),
-    ("lit_orange", [0.75, 0.32, 0.07]),
-    ("lit_blue", [0.12, 0.28, 0.6]),
-    ("dark_white", [0.7, 0.7, 0.7]),
-    ("dark_orange", [0.75, 0.32, 0.07]),
-    ("dark_blue", [0.12, 0.28, 0.6]),
-    ("sheet", [0.6, 0.6, 0.6]),
+const MATERIALS: [Material; 7] = [
+    Material::plain("lit_white", [0.7, 0.7, 0.7]),
+    Material::plain("lit_orange", [0.75, 0.32, 0.07]),
+    Material::plain("lit_blue", [0.12, 0.28, 0.6]),
+    Material::plain("dark_white", [0.7, 0.7, 0.7]),
+    Material::plain("dark_orange", [0.75, 0.32, 0.07]),
+    Material::plain("dark_blue", [0.12, 0.28, 0.6]),
+    Material::plain("sheet", [0.6, 0.6, 0.6]),
 ];
 
 const HEIGHT: f64 = 2.0;
@@ -49,7 +49,12 @@ pub(crate) fn model() -> Model {
         cube("dark_cube", "dark_blue").moved(0.85, 0.0, -0.35),
         sheet(),
     ];
-    Model::new("sheet", "A sheet between two rooms", &MATERIALS, bodies)
+    Model::new(
+        "sheet",
+        "A sheet between two rooms",
+        MATERIALS.to_vec(),
+        bodies,
+    )
 }
 
 /// A room without the wall towards the sheet and without a front.

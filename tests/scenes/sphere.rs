@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use glam::DVec3;
 
 use super::body::{Body, Face, Shape};
-use super::model::Model;
+use super::model::{Material, Model};
 
 /// Times that every triangle of the icosahedron is cut into four.
 const SUBDIVISIONS: usize = 4;
@@ -28,11 +28,11 @@ pub(crate) fn model() -> Model {
         positions,
         faces: triangles.into_iter().map(face).collect(),
     };
-    let materials = [("grey", [0.5, 0.5, 0.5])];
+    let materials = vec![Material::plain("grey", [0.5, 0.5, 0.5])];
     Model::new(
         "sphere",
         "A sphere seen from inside",
-        &materials,
+        materials,
         vec![sphere],
     )
 }

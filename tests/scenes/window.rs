@@ -2,18 +2,18 @@
 
 use super::body::Body;
 use super::cells::{Grid, cuboid, solid};
-use super::model::Model;
+use super::model::{Material, Model};
 use super::room::{Room, Wall};
 
-const MATERIALS: [(&str, [f64; 3]); 8] = [
-    ("plaster", [0.75, 0.73, 0.68]),
-    ("ochre", [0.72, 0.42, 0.12]),
-    ("boards", [0.42, 0.27, 0.16]),
-    ("oak", [0.5, 0.31, 0.16]),
-    ("frame", [0.78, 0.78, 0.76]),
-    ("teal", [0.07, 0.34, 0.36]),
-    ("brick", [0.56, 0.14, 0.09]),
-    ("linen", [0.7, 0.66, 0.56]),
+const MATERIALS: [Material; 8] = [
+    Material::plain("plaster", [0.75, 0.73, 0.68]),
+    Material::plain("ochre", [0.72, 0.42, 0.12]),
+    Material::plain("boards", [0.42, 0.27, 0.16]),
+    Material::plain("oak", [0.5, 0.31, 0.16]),
+    Material::plain("frame", [0.78, 0.78, 0.76]),
+    Material::plain("teal", [0.07, 0.34, 0.36]),
+    Material::plain("brick", [0.56, 0.14, 0.09]),
+    Material::plain("linen", [0.7, 0.66, 0.56]),
 ];
 
 /// The window: height above the floor and depth, metres.
@@ -40,7 +40,7 @@ pub(crate) fn model() -> Model {
     Model::new(
         "window",
         "A furnished room with one small window",
-        &MATERIALS,
+        MATERIALS.to_vec(),
         bodies,
     )
 }

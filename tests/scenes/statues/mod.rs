@@ -3,21 +3,21 @@
 
 mod bust;
 mod knot;
-mod vase;
+pub(crate) mod vase;
 
 use super::body::Body;
 use super::cells::{Grid, cuboid};
-use super::model::Model;
+use super::model::{Material, Model};
 use super::room::{Room, Wall};
 
-const MATERIALS: [(&str, [f64; 3]); 7] = [
-    ("floor", [0.55, 0.52, 0.48]),
-    ("plaster", [0.72, 0.71, 0.69]),
-    ("vermilion", [0.66, 0.13, 0.07]),
-    ("azure", [0.1, 0.3, 0.62]),
-    ("stone", [0.6, 0.58, 0.54]),
-    ("marble", [0.8, 0.78, 0.74]),
-    ("ochre", [0.74, 0.45, 0.12]),
+const MATERIALS: [Material; 7] = [
+    Material::plain("floor", [0.55, 0.52, 0.48]),
+    Material::plain("plaster", [0.72, 0.71, 0.69]),
+    Material::plain("vermilion", [0.66, 0.13, 0.07]),
+    Material::plain("azure", [0.1, 0.3, 0.62]),
+    Material::plain("stone", [0.6, 0.58, 0.54]),
+    Material::plain("marble", [0.8, 0.78, 0.74]),
+    Material::plain("ochre", [0.74, 0.45, 0.12]),
 ];
 
 /// Height of the pedestals, metres.
@@ -53,7 +53,12 @@ pub(crate) fn model() -> Model {
         statue(bust::body(), 12.0, 0.0, -0.6),
         statue(knot::body(), -18.0, 1.25, -0.2),
     ];
-    Model::new("statues", "Three statues in a hall", &MATERIALS, bodies)
+    Model::new(
+        "statues",
+        "Three statues in a hall",
+        MATERIALS.to_vec(),
+        bodies,
+    )
 }
 
 fn pedestal(name: &'static str, angle_deg: f64) -> Body {

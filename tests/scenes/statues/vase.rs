@@ -44,18 +44,30 @@ const PROFILE: [[f64; 3]; 22] = [
 
 /// The vase around the vertical axis.
 pub(super) fn body() -> Body {
+    turned_on_a_lathe("vase", "marble", [RINGS, AROUND])
+}
+
+/// A vase of so many rings and points around.
+pub(crate) fn turned_on_a_lathe(
+    name: &'static str,
+    material: &'static str,
+    [rings, around]: [usize; 2],
+) -> Body {
     let points: Vec<DVec4> = PROFILE
         .iter()
         .map(|&[radius, height, flutes]| DVec4::new(radius, height, flutes, 0.0))
         .collect();
-    let rings: Vec<Vec<DVec3>> = spline(&points, RINGS).into_iter().map(ring).collect();
+    let rings: Vec<Vec<DVec3>> = spline(&points, rings)
+        .into_iter()
+        .map(|point| ring(point, around))
+        .collect();
     let poles = [DVec3::ZERO, DVec3::new(0.0, 0.21, 0.0)];
-    between_poles("vase", "marble", poles, &rings)
+    between_poles(name, material, poles, &rings)
 }
 
-fn ring(point: DVec4) -> Vec<DVec3> {
+fn ring(point: DVec4, around: usize) -> Vec<DVec3> {
     let (radius, height, flutes) = (point.x, point.y, point.z);
-    circle(AROUND)
+    circle(around)
         .map(|angle| {
             let across = libm::sin(0.5 * FLUTES * (angle + FLUTE_TURN * height));
             // Narrow ridges between wide hollows.
