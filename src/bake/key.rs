@@ -4,7 +4,7 @@ use super::BakeSettings;
 use crate::surface::Surface;
 
 /// Changes whenever the same input gives another bake or the file another form.
-pub(super) const ALGORITHM_VERSION: u32 = 6;
+pub(super) const ALGORITHM_VERSION: u32 = 7;
 
 /// Content key of a bake.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

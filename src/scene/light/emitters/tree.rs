@@ -13,14 +13,14 @@ use node::{Node, Verdict};
 /// A node is taken for its polygons where its estimated error is at most this
 /// share of its own light. With 0.006 an emissive sphere of 10,000 triangles
 /// is wrong by up to 0.6 %, with 0.003 by 0.35 %.
-const RELATIVE_ERROR: f32 = 0.02;
+const RELATIVE_ERROR: f32 = 0.003;
 /// ... or this share of all light, as estimated from [`COARSE_NODES`]: some
 /// 40 such errors of either sign add up to less than 0.2 %. With 1e-5 twice as many
 /// nodes are visited for the same total error.
-const ABSOLUTE_ERROR: f32 = 2e-3;
+const ABSOLUTE_ERROR: f32 = 2e-4;
 /// ... or this share of the light if everything faced everything: where a lamp
 /// is all but below the horizon, not all of its polygons are looked at.
-const FLOOR: f32 = 1e-4;
+const FLOOR: f32 = 2e-6;
 /// Nodes near the root from which a point's light is first estimated.
 const COARSE_NODES: usize = 16;
 /// Spread of the normals against the spread in space (standard deviations,

@@ -33,7 +33,7 @@ const CLIPPED_ERROR: f32 = 0.1;
 /// few polygons less light is expected than comes) and add up over thousands
 /// of nodes: a soup of 10,000 triangles is wrong by up to 1.1 % with a quarter
 /// of this, by 0.25 % with this.
-const MIXED_ERROR: f32 = 4.0;
+const MIXED_ERROR: f32 = 16.0;
 
 /// Up to this spread of normals [`CLIPPED_ERROR`] holds for them; beyond, the
 /// probes tell, which are too far apart for less.
