@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use program::{
-    Finished, SMALL_BAKE, only_bake, render_box, render_box_command, scene, succeed,
+    Finished, SMALL_BAKE, only_bake, relume, render_box, render_box_command, scene, succeed,
     temporary_folder,
 };
 
@@ -51,6 +51,38 @@ fn threads_instructions_and_cache_change_no_bit() {
             assert_eq!(other_digest, digest, "{run}: another picture");
             assert!(other_bake == bake, "{run}: another bake");
         }
+    }
+}
+
+/// Sky, a map's sun, textures and a lamp with an emission map: what the box
+/// has none of.
+#[test]
+fn every_kind_of_light_has_one_digest() {
+    let evening = scene("courtyard").with_file_name("evening.toml");
+    let render = |threads: &str, simd: &str| {
+        let folder = temporary_folder();
+        let mut command = relume(&["render"]);
+        command.arg(&evening);
+        command.arg("-o").arg(folder.path().join("frame.png"));
+        command.arg("--cache-dir").arg(folder.path().join("cache"));
+        command.args(["--set", "bake.max_edge=2", "--set", "bake.rays=64"]);
+        command.args(["--size", "64x48", "--json"]);
+        command.args(["--threads", threads, "--simd", simd]);
+        let digest = digest_and_cache(&succeed(&mut command))[0].clone();
+        let bake = fs::read(only_bake(&folder.path().join("cache"))).expect("there is a bake");
+        (digest, bake)
+    };
+    let one = render("1", "scalar");
+    for (threads, simd) in [("3", "auto"), ("2", "scalar"), ("1", "auto")] {
+        let other = render(threads, simd);
+        assert_eq!(
+            other.0, one.0,
+            "--threads {threads} --simd {simd}: another picture"
+        );
+        assert!(
+            other.1 == one.1,
+            "--threads {threads} --simd {simd}: another bake"
+        );
     }
 }
 

@@ -45,6 +45,40 @@ fn largest_gap(folder: &Path, arguments: &[&str]) -> f32 {
 }
 
 #[test]
+fn they_add_up_with_lamps_textures_and_sky() {
+    let folder = temporary_folder();
+    let evening = scene("courtyard").with_file_name("evening.toml");
+    let cache = folder.path().join("cache");
+    let part = |name: &str| {
+        let path = folder.path().join(format!("{name}.exr"));
+        let mut command = relume(&["render"]);
+        command.arg(&evening).arg("-o").arg(&path);
+        command.arg("--cache-dir").arg(&cache);
+        command.args(["--set", "bake.max_edge=2", "--set", "bake.rays=64"]);
+        command.args(["--size", "64x48", "--component", name]);
+        succeed(&mut command);
+        let loaded = read_image(&path).expect("the frame can be read");
+        loaded.values().clone()
+    };
+    let [direct, indirect, global] = ["direct", "indirect", "global"].map(part);
+    assert!(largest(&direct) > 1.0, "the lantern is not seen");
+    assert!(largest(&indirect) > 0.01, "no light bounces");
+    let scale = largest(&global);
+    for ((d, i), g) in direct
+        .pixels()
+        .iter()
+        .zip(indirect.pixels())
+        .zip(global.pixels())
+    {
+        let gap = (*d + *i - *g).abs().max_element();
+        assert!(
+            gap <= SUM_TOLERANCE * scale.max(1.0),
+            "the sum is off by {gap}"
+        );
+    }
+}
+
+#[test]
 fn direct_and_indirect_add_up_to_global() {
     let folder = temporary_folder();
     for arguments in [
