@@ -239,8 +239,8 @@ fn texture() -> RgbImage {
     })
 }
 
-/// Dim, with one quadrant of azimuth bright (u from 1/4 to 1/2: +x to +z) above
-/// the horizon and another one red, the ground's half blue.
+/// Above the horizon one quadrant of azimuth is bright (u from 1/4 to 1/2: +x to
+/// +z) and the others have a colour each; below all is dark blue.
 fn sky() -> Rgb32FImage {
     let [width, height] = SKY_SIZE;
     Rgb32FImage::from_fn(width, height, |x, y| {
@@ -250,6 +250,7 @@ fn sky() -> Rgb32FImage {
         }
         match quadrant {
             1 => Rgb([2.0, 1.75, 1.5]),
+            2 => Rgb([0.125, 0.5, 0.0625]),
             3 => Rgb([0.5, 0.125, 0.0625]),
             _ => Rgb([0.125, 0.25, 0.375]),
         }
