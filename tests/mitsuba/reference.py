@@ -15,12 +15,14 @@ import argparse
 import json
 import sys
 import tomllib
-from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import mitsuba as mi
 import numpy as np
+
+from emitters import emitter, read_rgb, rgb
+from wavefront import Material, TextureMap, Triangles, read_obj, triangles_of
 
 mi.set_variant("scalar_rgb")
 
@@ -29,175 +31,65 @@ mi.set_variant("scalar_rgb")
 BLOCK = 8
 # Paths are never ended at random, so that the noise stays low in corners.
 NO_RUSSIAN_ROULETTE = 10_000
+# Of a material that says nothing.
+DEFAULT_ALBEDO = [0.8, 0.8, 0.8]
 
 
-@dataclass
-class Material:
-    """What MTL says about a surface, linear RGB."""
-
-    albedo: list[float] = field(default_factory=lambda: [0.8, 0.8, 0.8])
-    emission: list[float] = field(default_factory=lambda: [0.0, 0.0, 0.0])
-
-
-@dataclass
-class Triangles:
-    """Corner positions and normals of one material: (count, 3, 3) each."""
-
-    positions: np.ndarray
-    normals: np.ndarray
-
-
-@dataclass
-class Obj:
-    """Fans of an OBJ file; corners are (position, normal or -1), from 0."""
-
-    positions: np.ndarray
-    normals: np.ndarray
-    fans: dict[str, list[list[tuple[int, int]]]]
-    materials: dict[str, Material]
-
-
-def read_mtl(path: Path) -> dict[str, Material]:
-    """Materials of an MTL file by name."""
-    materials: dict[str, Material] = {}
-    current = Material()
-    for line in path.read_text().splitlines():
-        keyword, _, rest = line.strip().partition(" ")
-        if keyword == "newmtl":
-            current = materials.setdefault(rest.strip(), Material())
-        elif keyword == "Kd":
-            current.albedo = [float(value) for value in rest.split()]
-        elif keyword == "Ke":
-            current.emission = [float(value) for value in rest.split()]
-        elif keyword in ("map_Kd", "map_Ke"):
-            raise SystemExit(f"{path}: textures are not supported")
-    return materials
-
-
-def read_corner(word: str, position_count: int, normal_count: int) -> tuple[int, int]:
-    """Indices from 0 of `v`, `v/vt`, `v//vn` or `v/vt/vn`."""
-    parts = word.split("/")
-    position = int(parts[0])
-    normal = int(parts[2]) if len(parts) == 3 and parts[2] else 0
-    return (
-        position - 1 if position > 0 else position_count + position,
-        normal - 1 if normal >= 0 else normal_count + normal,
-    )
-
-
-def read_obj(path: Path) -> Obj:
-    """Triangles of an OBJ file, polygons split from their first corner."""
-    obj = Obj(np.empty(0), np.empty(0), {}, {})
-    positions: list[list[float]] = []
-    normals: list[list[float]] = []
-    fan = obj.fans.setdefault("", [])
-    for line in path.read_text().splitlines():
-        keyword, *words = line.split() or [""]
-        if keyword == "v":
-            positions.append([float(word) for word in words[:3]])
-        elif keyword == "vn":
-            normals.append([float(word) for word in words])
-        elif keyword == "usemtl":
-            fan = obj.fans.setdefault(" ".join(words), [])
-        elif keyword == "mtllib":
-            obj.materials |= read_mtl(path.parent / " ".join(words))
-        elif keyword == "f":
-            corners = [read_corner(word, len(positions), len(normals)) for word in words]
-            fan.extend([corners[0], b, c] for b, c in zip(corners[1:], corners[2:]))
-    obj.positions = np.array(positions)
-    obj.normals = np.array(normals or [[0.0, 0.0, 1.0]])
-    return obj
-
-
-def face_normals(positions: np.ndarray) -> np.ndarray:
-    """Cross products of the edges, twice the area long, (count, 3)."""
-    a, b, c = positions[:, 0], positions[:, 1], positions[:, 2]
-    return np.cross(b - a, c - a)
-
-
-def smooth_normals(positions: np.ndarray) -> np.ndarray:
-    """Area-weighted normals over equal positions."""
-    corners = positions.reshape(-1, 3)
-    _, group = np.unique(corners, axis=0, return_inverse=True)
-    sums = np.zeros((group.max() + 1, 3))
-    np.add.at(sums, group.reshape(-1), np.repeat(face_normals(positions), 3, axis=0))
-    return sums[group.reshape(-1)].reshape(positions.shape)
-
-
-def triangles_of(obj: Obj, name: str, normals_key: str) -> Triangles:
-    """Triangles of one material with the normals that the scene asks for."""
-    corners = np.array(obj.fans[name])
-    positions = obj.positions[corners[..., 0]]
-    flat = face_normals(positions)
-    kept = np.linalg.norm(flat, axis=1) > 0.0
-    corners, positions, flat = corners[kept], positions[kept], flat[kept]
-    normals = np.repeat(flat[:, None, :], 3, axis=1)
-    if normals_key == "smooth":
-        normals = smooth_normals(positions)
-    elif normals_key == "file":
-        has_normals = (corners[..., 1] >= 0).all(axis=1)
-        given = obj.normals[np.maximum(corners[..., 1], 0)]
-        normals = np.where(has_normals[:, None, None], given, normals)
-    return Triangles(positions, normals / np.linalg.norm(normals, axis=2, keepdims=True))
-
-
-def rgb(values: list[float]) -> dict[str, Any]:
-    """A linear Rec.709 colour."""
-    return {"type": "rgb", "value": [float(value) for value in values]}
-
-
-def shape(triangles: Triangles, material: Material) -> mi.Mesh:
-    """A Mitsuba mesh that is diffuse on both sides."""
-    properties = mi.Properties()
-    bsdf = {"type": "diffuse", "reflectance": rgb(material.albedo)}
-    properties["bsdf"] = mi.load_dict({"type": "twosided", "nested": bsdf})
-    if any(value > 0.0 for value in material.emission):
-        properties["emitter"] = mi.load_dict({"type": "area", "radiance": rgb(material.emission)})
-    count = len(triangles.positions)
-    mesh = mi.Mesh("mesh", 3 * count, count, props=properties, has_vertex_normals=True)
-    parameters = mi.traverse(mesh)
-    parameters["vertex_positions"] = triangles.positions.ravel()
-    parameters["vertex_normals"] = triangles.normals.ravel()
-    parameters["faces"] = np.arange(3 * count, dtype=np.uint32)
-    parameters.update()
-    return mesh
-
-
-def spot(light: dict[str, Any]) -> dict[str, Any]:
-    """A spot: both programs fall linearly with the angle between two half angles."""
-    origin = np.array(light["position"], dtype=float)
-    if "target" in light:
-        target = np.array(light["target"], dtype=float)
-    else:
-        target = origin + np.array(light["direction"], dtype=float)
-    axis = (target - origin) / np.linalg.norm(target - origin)
-    up = [1.0, 0.0, 0.0] if abs(axis[1]) > 0.9 else [0.0, 1.0, 0.0]
-    cutoff = float(light.get("cutoff", 30.0))
+def texture(color: list[float], image: TextureMap) -> dict[str, Any]:
+    """A colour times an image, which Mitsuba interpolates and repeats."""
+    texels = read_rgb(image.path) * np.array(color, dtype=np.float32)
     return {
-        "type": "spot",
-        "to_world": mi.ScalarTransform4f().look_at(origin=origin, target=target, up=up),
-        "intensity": rgb(light["intensity"]),
-        "cutoff_angle": cutoff,
-        "beam_width": float(light.get("beam", 0.75 * cutoff)),
+        "type": "bitmap",
+        "bitmap": mi.Bitmap(texels.astype(np.float32)),
+        # The values are linear already.
+        "raw": True,
+        "filter_type": "bilinear",
+        "wrap_mode": "repeat",
     }
 
 
-def emitter(light: dict[str, Any]) -> dict[str, Any]:
-    """A light of the scene file."""
-    kind = light["kind"]
-    if kind == "point":
-        position = [float(value) for value in light["position"]]
-        return {"type": "point", "position": position, "intensity": rgb(light["intensity"])}
-    if kind == "spot":
-        return spot(light)
-    if kind == "directional":
-        direction = [float(value) for value in light["direction"]]
-        return {
-            "type": "directional",
-            "direction": direction,
-            "irradiance": rgb(light["irradiance"]),
-        }
-    raise SystemExit(f"light kind {kind} is not supported")
+def colored(color: list[float] | None, default: list[float], image: TextureMap | None) -> Any:
+    """A colour, or an image times it; beside an image no colour and black mean 1."""
+    if image is None:
+        return rgb(default if color is None else color)
+    return texture(color if any(color or []) else [1.0, 1.0, 1.0], image)
+
+
+def image_coordinates(coordinates: np.ndarray, image: TextureMap | None) -> np.ndarray:
+    """Coordinates with v = 0 at the top row, as Mitsuba has them."""
+    if image is not None:
+        coordinates = coordinates * np.array(image.scale) + np.array(image.offset)
+    return np.stack([coordinates[..., 0], 1.0 - coordinates[..., 1]], axis=-1)
+
+
+def shape(triangles: Triangles, material: Material) -> mi.Mesh:
+    """A Mitsuba mesh that is diffuse on both sides and emits on its front."""
+    properties = mi.Properties()
+    albedo = colored(material.albedo, DEFAULT_ALBEDO, material.albedo_map)
+    bsdf = {"type": "diffuse", "reflectance": albedo}
+    properties["bsdf"] = mi.load_dict({"type": "twosided", "nested": bsdf})
+    if material.emission_map is not None or any(material.emission or []):
+        radiance = colored(material.emission, [0.0] * 3, material.emission_map)
+        properties["emitter"] = mi.load_dict({"type": "area", "radiance": radiance})
+    count = len(triangles.positions)
+    mesh = mi.Mesh(
+        "mesh",
+        3 * count,
+        count,
+        props=properties,
+        has_vertex_normals=True,
+        has_vertex_texcoords=True,
+    )
+    coordinates = image_coordinates(
+        triangles.coordinates, material.albedo_map or material.emission_map
+    )
+    parameters = mi.traverse(mesh)
+    parameters["vertex_positions"] = triangles.positions.ravel()
+    parameters["vertex_normals"] = triangles.normals.ravel()
+    parameters["vertex_texcoords"] = coordinates.ravel()
+    parameters["faces"] = np.arange(3 * count, dtype=np.uint32)
+    parameters.update()
+    return mesh
 
 
 def sensor(camera: dict[str, Any], size: tuple[int, int], spp: int) -> dict[str, Any]:
@@ -252,14 +144,8 @@ def load_scene(path: Path, size: tuple[int, int] | None, spp: int, bounces: int 
             mesh = shape(triangles, obj.materials.get(name, Material()))
             scene[f"shape{len(scene)}"] = mesh
     for index, light in enumerate(description.get("light", [])):
-        scene[f"light{index}"] = emitter(light)
+        scene[f"light{index}"] = emitter(light, path.parent)
     return mi.load_dict(scene)
-
-
-def read_exr(path: Path) -> np.ndarray:
-    """RGB of an EXR image, (height, width, 3)."""
-    bitmap = mi.Bitmap(str(path)).convert(mi.Bitmap.PixelFormat.RGB, mi.Struct.Type.Float32, False)
-    return np.array(bitmap, dtype=np.float64)
 
 
 def block_means(image: np.ndarray) -> np.ndarray:
@@ -276,7 +162,9 @@ def relative_rmse(candidate: np.ndarray, reference: np.ndarray) -> float:
 
 def compare(candidate_path: Path, reference_path: Path) -> dict[str, float]:
     """How far a candidate is from a reference."""
-    candidate, reference = read_exr(candidate_path), read_exr(reference_path)
+    candidate, reference = (
+        read_rgb(path).astype(np.float64) for path in (candidate_path, reference_path)
+    )
     if candidate.shape != reference.shape:
         raise SystemExit(f"sizes differ: {candidate.shape} and {reference.shape}")
     return {
