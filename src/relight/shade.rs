@@ -283,10 +283,11 @@ impl Shading<'_> {
             };
             let to_light = self.light_points(pixel, sample as u32);
             if shared.is_none() || light.is_sharp() {
-                shared = Some(light.incident(point.position, point.normal));
+                let incident = light.incident(point.position, point.normal);
+                shared = Some((incident, point.position));
             }
-            if let Some(incident) = &shared {
-                shadows.follow_all(incident, &point, to_light, &mut found);
+            if let Some((incident, from)) = &shared {
+                shadows.follow_all((incident, *from), &point, to_light, &mut found);
             }
         }
         found.irradiance()

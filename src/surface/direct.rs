@@ -140,19 +140,16 @@ impl<'a> Shadows<'a> {
         points: LightPoints,
         found: &mut Found,
     ) {
-        self.follow_all(
-            &light.incident(point.position, point.normal),
-            point,
-            points,
-            found,
-        );
+        let incident = light.incident(point.position, point.normal);
+        self.follow_all((&incident, point.position), point, points, found);
     }
 
-    /// Adds what reaches one point, as of `incident`: of the point itself, or of
-    /// another one less than a pixel away.
+    /// Adds what reaches one point, as of what reaches `from`: the point itself,
+    /// or another one less than a pixel away. Shadow rays go from the point to
+    /// the points of the light all the same.
     pub(crate) fn follow_all(
         &self,
-        incident: &Incident,
+        (incident, from): (&Incident, Vec3),
         point: &SurfacePoint,
         points: LightPoints,
         found: &mut Found,
@@ -178,6 +175,7 @@ impl<'a> Shadows<'a> {
             };
             let brings = sample.irradiance_on(point.normal);
             if brings != Vec3::ZERO {
+                let sample = sample.seen_from(from, point.position);
                 self.follow(&sample, brings * share, point, found);
                 asked = true;
             }

@@ -238,6 +238,22 @@ impl PlacedLight {
 }
 
 impl LightSample {
+    /// The way to the same point of the light from another point close by; what
+    /// it brings stays as it was. (With the same direction and distance, rays
+    /// from points nearer to a lamp of the mesh would end behind it.)
+    pub(crate) fn seen_from(&self, from: Vec3, point: Vec3) -> Self {
+        if from == point || self.distance == f32::INFINITY {
+            return *self;
+        }
+        let to_light = from + self.direction * self.distance - point;
+        let distance = to_light.length();
+        Self {
+            direction: to_light / distance.max(f32::MIN_POSITIVE),
+            distance,
+            irradiance: self.irradiance,
+        }
+    }
+
     /// Irradiance on a plane of unit `normal`, W/m2: zero from behind it.
     pub(crate) fn irradiance_on(&self, normal: Vec3) -> Vec3 {
         let cosine = self.direction.dot(normal);
