@@ -316,9 +316,38 @@ fn with_sides(surface: &Surface, settings: &BakeSettings, run: &RunSettings) -> 
 
 fn surface_entries(views: &[GroupView], settings: &BakeSettings) -> Entries {
     let budget = Budget::of(settings.coefficients);
+    let functions = |view: &GroupView| {
+        let is_spending = view.most_senders > budget.near as f64;
+        if is_spending {
+            view.functions as f64
+        } else {
+            0.0
+        }
+    };
+    let basis = evened_budget(budget, views.iter().map(functions).collect());
     let of_group =
-        |view: &GroupView| Entries::of_group(budget, view.most_senders, view.functions as f64);
+        |view: &GroupView| Entries::of_group(basis, view.most_senders, view.functions as f64);
     Entries::mean(views.iter().map(of_group))
+}
+
+/// What a group may spend when those that see little leave the others the rest:
+/// the budget is a mean over all groups. `wanted` of each.
+fn evened_budget(budget: Budget, wanted: Vec<f64>) -> Budget {
+    let total = (budget.basis * wanted.len()) as f64;
+    let (mut low, mut high) = (budget.basis, budget.basis * wanted.len().max(1));
+    while low < high {
+        let middle = low + (high - low).div_ceil(2);
+        let spent: f64 = wanted.iter().map(|w| w.min(middle as f64)).sum();
+        if spent <= total {
+            low = middle;
+        } else {
+            high = middle - 1;
+        }
+    }
+    Budget {
+        basis: low,
+        ..budget
+    }
 }
 
 fn sky_entries(views: &[GroupView]) -> Entries {
