@@ -9,7 +9,7 @@ use std::sync::LazyLock;
 use glam::Vec3;
 
 use super::Image;
-use crate::maths::functions::{exp2, pow};
+use crate::maths::functions::{exp2, linear_from_srgb};
 use crate::scene::Tone;
 
 /// An 8-bit picture, row 0 on top.
@@ -132,15 +132,6 @@ fn decode_level(level: f32) -> f32 {
     }
 }
 
-/// Linear value of an encoded one, both 0..1.
-fn linear_from_srgb(encoded: f64) -> f64 {
-    if encoded <= 0.04045 {
-        encoded / 12.92
-    } else {
-        pow((encoded + 0.055) / 1.055, 2.4)
-    }
-}
-
 /// A bucket is a range of floats that share the exponent and seven bits of the
 /// mantissa. Seven bits suffice for at most one change of level a bucket: the
 /// octave 0.5..1 has most changes, 67, and 128 buckets.
@@ -214,7 +205,7 @@ mod tests {
             let encoded = if linear <= 0.003_130_8 {
                 12.92 * linear
             } else {
-                1.055 * pow(linear, 1.0 / 2.4) - 0.055
+                1.055 * crate::maths::functions::pow(linear, 1.0 / 2.4) - 0.055
             };
             assert_eq!(srgb_level(x), (encoded * 255.0 + 0.5) as u8, "x = {x}");
             x *= 1.000_37;

@@ -44,6 +44,15 @@ pub(crate) fn pow(x: f64, y: f64) -> f64 {
     libm::pow(x, y)
 }
 
+/// Linear value of an sRGB-encoded one, both 0..1 (IEC 61966-2-1).
+pub(crate) fn linear_from_srgb(encoded: f64) -> f64 {
+    if encoded <= 0.04045 {
+        encoded / 12.92
+    } else {
+        pow((encoded + 0.055) / 1.055, 2.4)
+    }
+}
+
 /// Sine of `x` radians in single precision.
 pub(crate) fn sin_f32(x: f32) -> f32 {
     libm::sinf(x)

@@ -17,11 +17,8 @@ use crate::bake::{
     escaped_share_of_fronts, forecast, load_or_bake, load_stored,
 };
 use crate::frame::{Development, EncodedImage, Image};
-use crate::scene::{Bounces, Camera, Light, LightKind, PlacedLights, Scene, Tone};
+use crate::scene::{Bounces, Camera, Light, LightKind, PlacedLights, RenderKeys, Scene, Tone};
 use crate::surface::{Detail, Surface};
-
-/// A pixel in a penumbra takes four times as many of a set of 65,536 points.
-const MOST_LIGHT_SAMPLES: u32 = 16_384;
 
 /// Why there is no frame.
 #[derive(Debug, Error)]
@@ -353,7 +350,9 @@ impl Renderer {
             camera: settings.camera.place(&self.surface.placement),
             lights: &lights,
             scene: &self.scene,
-            light_samples: settings.light_samples.clamp(1, MOST_LIGHT_SAMPLES),
+            light_samples: settings
+                .light_samples
+                .clamp(1, RenderKeys::MOST_LIGHT_SAMPLES),
             sky: &sky,
             indirect: &indirect,
             component: settings.component,

@@ -114,6 +114,12 @@ pub struct RenderKeys {
     pub light_samples: u32,
 }
 
+impl RenderKeys {
+    /// Where a light is partly hidden, a pixel takes four times as many points of
+    /// it, out of a set of 65,536.
+    pub(crate) const MOST_LIGHT_SAMPLES: u32 = 16_384;
+}
+
 impl Default for RenderKeys {
     fn default() -> Self {
         Self {

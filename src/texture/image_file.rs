@@ -19,7 +19,7 @@ use image::codecs::tga::TgaDecoder;
 use image::{DynamicImage, ImageDecoder, ImageResult, Limits};
 
 use super::{TextureError, exr_file, jpeg};
-use crate::maths::functions::pow;
+use crate::maths::functions::linear_from_srgb;
 
 /// Most pixels along a side.
 const MAX_SIDE: u32 = 16_384;
@@ -263,15 +263,6 @@ pub(super) fn defined_radiance(x: f32) -> f32 {
         x
     } else {
         0.0
-    }
-}
-
-/// Linear value of an encoded one, both 0..1 (IEC 61966-2-1).
-fn linear_from_srgb(encoded: f64) -> f64 {
-    if encoded <= 0.04045 {
-        encoded / 12.92
-    } else {
-        pow((encoded + 0.055) / 1.055, 2.4)
     }
 }
 

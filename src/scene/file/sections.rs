@@ -26,10 +26,6 @@ const MOST_BOUNCES: u32 = 10_000;
 /// Exposures beyond this leave the range of single precision.
 const LARGEST_EXPOSURE: f64 = 64.0;
 
-/// Where a light is partly hidden, a pixel takes four times as many of a set of
-/// 65,536.
-const MOST_LIGHT_SAMPLES: u32 = 16_384;
-
 /// A set of sample points has 65,536 of them.
 const MOST_SAMPLES: u32 = 65_536;
 
@@ -130,7 +126,7 @@ pub(crate) fn render(mut fields: Fields) -> Result<RenderKeys, SceneError> {
         keys.tone = item.choice(&TONES)?;
     }
     if let Some(item) = fields.take("light_samples") {
-        keys.light_samples = item.count(1..=MOST_LIGHT_SAMPLES)?;
+        keys.light_samples = item.count(1..=RenderKeys::MOST_LIGHT_SAMPLES)?;
     }
     Ok(keys)
 }
