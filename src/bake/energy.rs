@@ -1,6 +1,7 @@
 //! Whether the finished operator T~ keeps energy: how strongly light can grow
 //! from bounce to bounce, and how much of what leaves arrives.
 
+use super::places::Places;
 use super::{Bake, prior};
 use crate::maths::hash::uniform;
 use crate::simd::Level;
@@ -79,7 +80,7 @@ pub(super) fn energy_ratios(bake: &Bake, surface: &Surface, level: Level) -> Ene
     let arrived = bake.apply(level, &in_slots(&|_| 1.0));
     let (mut sum, mut count, mut worst) = (0.0, 0.0, 1.0_f64);
     let shadows = direct::Shadows::of_surface(surface, level);
-    for light in prior::unseen_lights(surface, level) {
+    for light in prior::unseen_lights(&Places::of(surface, level)) {
         let direct = direct::at_vertices_by_one_point(&shadows, &light);
         let radiosity = in_slots(&|v| direct[v].x);
         let irradiance = bake.apply(level, &radiosity);

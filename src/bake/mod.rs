@@ -20,11 +20,14 @@ mod function_shares;
 mod graph;
 mod inertia;
 mod key;
+#[cfg(test)]
+mod lab;
 mod laplacian;
 mod neighbours;
 mod operator;
 mod partition;
 mod pilot;
+mod places;
 mod prior;
 #[cfg(test)]
 mod response_tests;
@@ -42,6 +45,8 @@ mod transfer;
 mod window;
 mod witnesses;
 
+#[cfg(test)]
+use glam::Vec3;
 use rayon::prelude::*;
 use thiserror::Error;
 

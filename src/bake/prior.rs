@@ -6,12 +6,12 @@ use rayon::prelude::*;
 
 use super::transfer::vertex_rays;
 use super::{RunSettings, sky};
-use crate::maths::functions::{exp, ln};
+use super::places::Places;
 use crate::maths::hash::uniform;
-use crate::maths::sampling::{pick, sphere_direction};
+use crate::maths::sampling::sphere_direction;
 use crate::scene::PlacedLight;
 use crate::simd::Level;
-use crate::surface::{Ray, Surface, direct, offset_origin};
+use crate::surface::{Surface, direct};
 
 /// Numbers of prior lights by kind (some 250; 32 training lights did overfit).
 const POINTS: u32 = 192;
@@ -19,12 +19,6 @@ const SPOTS: u32 = 32;
 const DIRECTIONALS: u32 = 32;
 /// Half angle of the prior spots, degrees.
 const SPOT_CUTOFF_DEG: f32 = 20.0;
-/// Distances of prior lights from the surface, shares of the extent.
-const NEAREST: f64 = 0.02;
-const FARTHEST: f64 = 0.5;
-/// Share of the way to the next surface at which a prior light stays in front
-/// of it.
-const INSIDE_FREE_SPACE: f32 = 0.9;
 /// Of so many lights one is a witness; with the skies and the constant light
 /// these are 40.
 const WITNESS_STRIDE: usize = 8;
@@ -43,78 +37,42 @@ const UNSEEN_POINTS: u32 = 24;
 
 /// The prior lights of a scene, in a fixed order. The constant light is not
 /// among them: it has no place.
-pub(super) fn lights(surface: &Surface, level: Level) -> Vec<PlacedLight> {
-    let cumulative = cumulative_areas(surface);
-    if cumulative.is_empty() {
+fn lights(places: &Places) -> Vec<PlacedLight> {
+    if !places.any() {
         return Vec::new();
     }
-    let number = |light: u32, dimension: u32| uniform(CHOOSING_SEED, light, dimension);
-    let direction = |light, dimension| {
-        sphere_direction([number(light, dimension), number(light, dimension + 1)])
-    };
-    let place = |light| free_point(surface, level, &cumulative, [CHOOSING_SEED, light]);
-    let points = (0..POINTS).map(|i| PlacedLight::unit_point(place(i)));
-    let spots = (POINTS..POINTS + SPOTS)
-        .map(|i| PlacedLight::unit_spot(place(i), direction(i, 8), SPOT_CUTOFF_DEG));
-    let suns = (POINTS + SPOTS..POINTS + SPOTS + DIRECTIONALS)
-        .map(|i| PlacedLight::unit_directional(direction(i, 8)));
+    let key = |light| [CHOOSING_SEED, light];
+    let points = (0..POINTS).map(|i| PlacedLight::unit_point(places.point(key(i))));
+    let spots = (POINTS..POINTS + SPOTS).map(|i| unit_spot(places, key(i), SPOT_CUTOFF_DEG));
+    let suns = (POINTS + SPOTS..POINTS + SPOTS + DIRECTIONALS).map(|i| unit_sun(places, key(i)));
     points.chain(spots).chain(suns).collect()
 }
 
 /// Point lights that nothing was chosen by, to report with.
-pub(super) fn unseen_lights(surface: &Surface, level: Level) -> Vec<PlacedLight> {
-    let cumulative = cumulative_areas(surface);
-    if cumulative.is_empty() {
+pub(super) fn unseen_lights(places: &Places) -> Vec<PlacedLight> {
+    if !places.any() {
         return Vec::new();
     }
-    let place = |light| free_point(surface, level, &cumulative, [REPORTING_SEED, light]);
     (0..UNSEEN_POINTS)
-        .map(|light| PlacedLight::unit_point(place(light)))
+        .map(|light| PlacedLight::unit_point(places.point([REPORTING_SEED, light])))
         .collect()
 }
 
-/// Area of the vertices up to and with each.
-fn cumulative_areas(surface: &Surface) -> Vec<f32> {
-    let areas = surface.vertices.areas().iter();
-    areas
-        .scan(0.0, |total, area| {
-            *total += area;
-            Some(*total)
-        })
-        .collect()
-}
-
-/// A random surface point moved along a random direction of its side, by a
-/// log-uniform distance, not through another surface.
-fn free_point(
-    surface: &Surface,
-    level: Level,
-    cumulative_area: &[f32],
-    [seed, light]: [u32; 2],
-) -> Vec3 {
+/// A spot in a free place, in a random direction.
+pub(super) fn unit_spot(places: &Places, [seed, light]: [u32; 2], cutoff_deg: f32) -> PlacedLight {
     let u = |dimension| uniform(seed, light, dimension);
-    let vertex = pick(cumulative_area, u(0));
-    let from = surface.sample_point(vertex, [u(1), u(2)]);
-    let towards = sphere_direction([u(3), u(4)]);
-    let towards = if towards.dot(from.flat_normal) < 0.0 {
-        -towards
+    let direction = sphere_direction([u(8), u(9)]);
+    PlacedLight::unit_spot(places.point([seed, light]), direction, cutoff_deg)
+}
+
+/// A sun that reaches what hands light on; any sun where there is none.
+pub(super) fn unit_sun(places: &Places, [seed, light]: [u32; 2]) -> PlacedLight {
+    let u = |dimension| uniform(seed, light, dimension);
+    PlacedLight::unit_directional(if places.any_sun() {
+        places.sun([seed, light])
     } else {
-        towards
-    };
-    let extent = surface.placement.extent * surface.placement.scale;
-    let distance = extent * exp(ln(NEAREST) + f64::from(u(5)) * (ln(FARTHEST) - ln(NEAREST)));
-    let origin = offset_origin(from.position, from.flat_normal, towards);
-    let free = surface.rays.closest(
-        level,
-        &Ray {
-            origin,
-            direction: towards,
-            t_max: f32::INFINITY,
-        },
-    );
-    let reach = free.map_or(f32::INFINITY, |hit| hit.t * INSIDE_FREE_SPACE);
-    let distance = distance as f32;
-    origin + towards * if distance < reach { distance } else { reach }
+        sphere_direction([u(8), u(9)])
+    })
 }
 
 /// A prior light as it is handed over.
@@ -142,7 +100,7 @@ pub(super) fn for_each(
         }
     };
     let shadows = direct::Shadows::of_surface(surface, run.level);
-    let lights = lights(surface, run.level);
+    let lights = lights(&Places::of(surface, run.level));
     run.progress.stage("prior lights", lights.len() as u64);
     for (number, light) in lights.into_iter().enumerate() {
         if run.progress.cancelled() {
