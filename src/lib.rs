@@ -40,7 +40,10 @@ mod simd;
 mod surface;
 mod texture;
 
-pub use bake::{BakeError, BakeForecast, BakeSettings, BakeStats, Progress, RunSettings, Silent};
+pub use bake::{
+    BakeError, BakeForecast, BakeSettings, BakeStats, Partitioner, Progress, RunSettings, Scheme,
+    Silent,
+};
 pub use frame::{
     Difference, EncodedImage, Image, ImageSizeError, SizeMismatch, compare, count_beyond,
 };

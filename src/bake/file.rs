@@ -1,20 +1,23 @@
 //! The bake file: one bake, checked when read.
 //!
 //! magic, format version, key, length and checksum of the payload, payload.
-//! The payload is a fixed sequence of lists of little-endian numbers, each
-//! behind its length; a later version appends lists (the low-rank remainder of
-//! the design) and raises the version.
+//! The payload is a sequence of lists of little-endian numbers, each behind its
+//! length; the first names the scheme, which decides what lists the transfer
+//! has. A later version appends lists (the low-rank remainder of the design) and
+//! raises the version.
 
 use thiserror::Error;
 
 use super::basis::Basis;
 use super::key::BakeKey;
+use super::paper::PaperRows;
 use super::rows::{Indices, Rows};
+use super::scheme::{Operator, Partitioner, Scheme};
 use super::sky::Sky;
 use super::{Bake, BakeStats};
 
 const MAGIC: &[u8; 8] = b"relume\x1ab";
-const FORMAT_VERSION: u32 = 4;
+const FORMAT_VERSION: u32 = 5;
 /// Bytes before the payload: magic, version, key, length, checksum.
 const HEADER: usize = 8 + 4 + 32 + 8 + 32;
 
@@ -74,6 +77,7 @@ fn array<const N: usize>(bytes: &[u8]) -> [u8; N] {
 fn encode_payload(bake: &Bake) -> Vec<u8> {
     let mut out = Writer::default();
     let stats = &bake.stats;
+    out.list(&[stats.scheme.tag(), stats.partitioner.tag()]);
     out.list(&[stats.rays]);
     out.list(&[stats.threshold]);
     out.list(&[
@@ -93,7 +97,10 @@ fn encode_payload(bake: &Bake) -> Vec<u8> {
     out.list(&basis.function_counts);
     out.list(basis.values);
 
-    out.rows(&bake.rows);
+    match &bake.operator {
+        Operator::Shared(rows) => out.rows(rows),
+        Operator::Paper(rows) => out.paper_rows(rows),
+    }
     // A closed scene has no byte for the sky.
     if let Some(sky) = &bake.sky {
         out.rows(sky.rows());
@@ -121,10 +128,28 @@ impl Writer {
                 .collect::<Vec<u32>>(),
         );
     }
+
+    fn paper_rows(&mut self, rows: &PaperRows) {
+        self.list(&rows.offsets);
+        self.indices(&rows.functions);
+        self.list(&rows.coefficients);
+        self.list(&[rows.step]);
+        self.list(&rows.alone.iter().map(|&a| u8::from(a)).collect::<Vec<_>>());
+    }
 }
 
 fn decode_payload(payload: &[u8]) -> Result<Bake, FileError> {
     let mut input = Reader { rest: payload };
+    let &[scheme, partitioner] = input.list::<u8>()?.as_slice() else {
+        return Err(FileError::Damaged);
+    };
+    let scheme = Scheme::ALL.into_iter().find(|s| s.tag() == scheme);
+    let partitioner = Partitioner::ALL
+        .into_iter()
+        .find(|p| p.tag() == partitioner);
+    let (Some(scheme), Some(partitioner)) = (scheme, partitioner) else {
+        return Err(FileError::Inconsistent("a scheme that does not exist"));
+    };
     let rays = *input.list::<u32>()?.first().ok_or(FileError::Damaged)?;
     let threshold = *input.list::<f32>()?.first().ok_or(FileError::Damaged)?;
     let shares = input.list::<f64>()?;
@@ -140,6 +165,8 @@ fn decode_payload(payload: &[u8]) -> Result<Bake, FileError> {
         return Err(FileError::Damaged);
     };
     let stats = BakeStats {
+        scheme,
+        partitioner,
         rays,
         threshold,
         arrived_share,
@@ -167,7 +194,12 @@ fn decode_payload(payload: &[u8]) -> Result<Bake, FileError> {
     }
 
     let slot_count = basis.slot_count();
-    let rows = input.rows(slot_count, basis.function_count(), slot_count)?;
+    let operator = match scheme {
+        Scheme::Relume => {
+            Operator::Shared(input.rows(slot_count, basis.function_count(), slot_count)?)
+        }
+        Scheme::Paper => Operator::Paper(input.paper_rows(basis.function_count(), slot_count)?),
+    };
     let sky = if input.rest.is_empty() {
         None
     } else {
@@ -180,7 +212,7 @@ fn decode_payload(payload: &[u8]) -> Result<Bake, FileError> {
             backs,
             open_points,
             basis,
-            rows,
+            operator,
             sky,
             stats,
         })
@@ -269,6 +301,24 @@ impl Reader<'_> {
                 .chunks_exact(2)
                 .map(|pair| (pair[0], pair[1]))
                 .collect(),
+        };
+        rows.check(slot_count).map_err(FileError::Inconsistent)?;
+        Ok(rows)
+    }
+
+    /// Lists of `slot_count` receivers that name so many functions.
+    fn paper_rows(
+        &mut self,
+        function_count: usize,
+        slot_count: usize,
+    ) -> Result<PaperRows, FileError> {
+        let rows = PaperRows {
+            function_count,
+            offsets: self.list()?,
+            functions: self.indices()?,
+            coefficients: self.list()?,
+            step: *self.list()?.first().ok_or(FileError::Damaged)?,
+            alone: self.list::<u8>()?.into_iter().map(|a| a != 0).collect(),
         };
         rows.check(slot_count).map_err(FileError::Inconsistent)?;
         Ok(rows)

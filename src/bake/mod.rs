@@ -6,6 +6,9 @@
 //! serves all of them; albedo is not in it either.
 //!
 //! partition -> basis S -> sampled transfer T and sky X -> compressed rows -> bake file
+//!
+//! Two schemes ([`Scheme`]) differ in the partitions and in how rows are
+//! compressed: relume's own, and the published one in `paper`.
 
 mod basis;
 mod cache;
@@ -25,6 +28,7 @@ mod lab;
 mod laplacian;
 mod neighbours;
 mod operator;
+mod paper;
 mod partition;
 mod pilot;
 mod places;
@@ -35,6 +39,7 @@ mod rows;
 mod run;
 #[cfg(test)]
 mod sample_graphs;
+mod scheme;
 mod settings;
 mod sky;
 #[cfg(test)]
@@ -53,9 +58,10 @@ use thiserror::Error;
 use basis::{Basis, BasisError};
 use excitation::Excitation;
 use function_shares::functions_by_area;
+use graph::VertexGraph;
 use neighbours::vertex_graph;
 use operator::sampled_rows;
-use partition::{PartitionSettings, partition};
+use partition::{Partition, PartitionSettings, partition};
 use rows::Rows;
 use sky::Sky;
 use witnesses::Witnesses;
@@ -65,6 +71,8 @@ pub use forecast::BakeForecast;
 pub(crate) use forecast::forecast;
 pub(crate) use pilot::escaped_share_of_fronts;
 pub use run::{Progress, RunSettings, Silent};
+pub(crate) use scheme::Operator;
+pub use scheme::{Partitioner, Scheme};
 pub use settings::BakeSettings;
 pub(crate) use sky::OPEN_SHARE;
 pub use stats::BakeStats;
@@ -83,7 +91,7 @@ pub(crate) struct Bake {
     /// Which points of each vertex's area are in the open, a bit each.
     open_points: Vec<u8>,
     basis: Basis,
-    rows: Rows,
+    operator: Operator,
     /// Light from the sky; `None` in a scene that is closed.
     sky: Option<Sky>,
     stats: BakeStats,
@@ -136,13 +144,22 @@ impl Bake {
         run: &RunSettings,
     ) -> Result<Self, BakeError> {
         let basis = spectral_basis(surface, settings, run)?;
-        let importance = Importance::of(surface, run, &basis)?;
-        let (rows, sky, stats) = sampled_rows(surface, settings, run, &basis, &importance)?;
+        let (operator, sky, stats) = match settings.scheme {
+            Scheme::Relume => {
+                let importance = Importance::of(surface, run, &basis)?;
+                let (rows, sky, stats) = sampled_rows(surface, settings, run, &basis, &importance)?;
+                (Operator::Shared(rows), sky, stats)
+            }
+            Scheme::Paper => {
+                let (rows, sky, stats) = paper::sampled_rows(surface, settings, run, &basis)?;
+                (Operator::Paper(rows), sky, stats)
+            }
+        };
         let mut bake = Self {
             backs,
             open_points,
             basis,
-            rows,
+            operator,
             sky,
             stats,
         };
@@ -155,7 +172,7 @@ impl Bake {
 
     /// E = T~ B, irradiance from radiosity, both in slots, W/m2.
     pub(crate) fn apply(&self, level: Level, radiosity: &[[f32; 3]]) -> Vec<[f32; 3]> {
-        apply_rows(level, &self.basis, &self.rows, radiosity)
+        self.operator.apply(level, &self.basis, radiosity)
     }
 
     /// Irradiance of the sky in slots, W/m2, from H_m of every cell (pi x its
@@ -171,13 +188,10 @@ impl Bake {
             Some(sky) => sky.apply(level, cells),
             None => vec![[0.0; 3]; self.basis.slot_count()],
         };
-        for group in (0..self.rows.group_count()).filter(|&group| self.rows.is_empty(group)) {
-            let (first, count) = self.rows.receivers(group);
-            for slot in first..first + count {
-                let vertex = self.basis.vertex_of_slot()[slot];
-                if self.open_points[vertex as usize] != 0 {
-                    irradiance[slot] = unhidden(vertex);
-                }
+        for slot in self.operator.without_senders().into_iter().flatten() {
+            let vertex = self.basis.vertex_of_slot()[slot];
+            if self.open_points[vertex as usize] != 0 {
+                irradiance[slot] = unhidden(vertex);
             }
         }
         irradiance
@@ -203,9 +217,9 @@ impl Bake {
         &self.basis
     }
 
-    /// The compressed rows; [`Self::apply`] applies them.
-    pub(crate) fn rows(&self) -> &Rows {
-        &self.rows
+    /// The compressed transfer; [`Self::apply`] applies it.
+    pub(crate) fn operator(&self) -> &Operator {
+        &self.operator
     }
 
     /// What the bake says of itself.
@@ -237,15 +251,11 @@ fn spectral_basis(
     run: &RunSettings,
 ) -> Result<Basis, BakeError> {
     let graph = vertex_graph(surface);
-    let weights = vec![1; surface.vertices.len()];
-    let parts = partition(
-        &graph,
-        &weights,
-        PartitionSettings {
-            vertices_per_part: settings.vertices_per_part,
-            ..PartitionSettings::default()
-        },
-    );
+    let part_size = settings.part_size(surface.vertices.len());
+    let parts = match settings.scheme {
+        Scheme::Relume => own_partition(&graph, part_size),
+        Scheme::Paper => paper::partition(&graph, part_size)?,
+    };
     let area_of = |v: &u32| f64::from(surface.vertices.areas()[*v as usize]);
     let areas: Vec<f64> = (0..parts.part_count())
         .map(|p| parts.members(p).iter().map(area_of).sum())
@@ -253,11 +263,11 @@ fn spectral_basis(
     let sizes: Vec<usize> = (0..parts.part_count())
         .map(|p| parts.members(p).len())
         .collect();
-    let counts = functions_by_area(
-        &areas,
-        &sizes,
-        settings.function_count(surface.vertices.len()),
-    );
+    let total = settings.function_count(surface.vertices.len());
+    let counts = match settings.scheme {
+        Scheme::Relume => functions_by_area(&areas, &sizes, total),
+        Scheme::Paper => paper::equal_functions(&sizes, total),
+    };
     run.progress.stage("spectral basis", sizes.len() as u64);
     Basis::build(
         &graph,
@@ -272,6 +282,15 @@ fn spectral_basis(
             BakeError::Basis(format!("partition {part}: {source}"))
         }
     })
+}
+
+/// Partitions by relume's own partitioner, every vertex alike.
+fn own_partition(graph: &VertexGraph, vertices_per_part: u32) -> Partition {
+    let settings = PartitionSettings {
+        vertices_per_part,
+        ..PartitionSettings::default()
+    };
+    partition(graph, &vec![1; graph.vertex_count()], settings)
 }
 
 /// The whole bake of a surface without a cache: back sides, then the operator.

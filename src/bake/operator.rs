@@ -155,14 +155,7 @@ impl Job<'_> {
     /// The scores below which a function is dropped from a group, so that pilot
     /// groups keep the budget in the mean: of surfaces and of the sky.
     fn pilot_thresholds(&self) -> [f32; 2] {
-        let stride = self.groups.len().div_ceil(PILOT_GROUPS).max(1);
-        let pilots: Vec<(u32, u32)> = self
-            .groups
-            .iter()
-            .copied()
-            .skip(stride / 2)
-            .step_by(stride)
-            .collect();
+        let pilots = pilot_groups(self.groups);
         let scores: Vec<[Vec<f32>; 2]> = pilots
             .par_iter()
             .map_init(
@@ -188,8 +181,15 @@ impl Job<'_> {
     }
 }
 
+/// The groups that thresholds are chosen from.
+pub(super) fn pilot_groups(groups: &[(u32, u32)]) -> Vec<(u32, u32)> {
+    let stride = groups.len().div_ceil(PILOT_GROUPS).max(1);
+    let chosen = groups.iter().copied().skip(stride / 2).step_by(stride);
+    chosen.collect()
+}
+
 /// The score of the last one that `budget` pays for.
-fn threshold_of(mut scores: Vec<f32>, budget: usize) -> f32 {
+pub(super) fn threshold_of(mut scores: Vec<f32>, budget: usize) -> f32 {
     if scores.len() <= budget || budget == 0 {
         return 0.0;
     }

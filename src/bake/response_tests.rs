@@ -37,11 +37,19 @@ fn responses(surface: &Surface, bake: &Bake) -> Vec<[f64; 3]> {
     let mut found = Vec::new();
     for (index, group) in receiver_groups(&bake.basis).into_iter().enumerate() {
         let sampled = sample_group(&sampling, vertices_of(&bake.basis, group), &mut scratch);
-        let stored = stored_response(&bake.rows, index, &constant);
+        let stored = stored_response(shared_rows(bake), index, &constant);
         let lanes = 0..group.1 as usize;
         found.extend(lanes.map(|l| [sampled.arrived[l], stored[l], sampled.escaped[l]]));
     }
     found
+}
+
+/// The rows of a bake in relume's own scheme.
+fn shared_rows(bake: &Bake) -> &Rows {
+    match &bake.operator {
+        Operator::Shared(rows) => rows,
+        Operator::Paper(_) => panic!("the default scheme shares its lists"),
+    }
 }
 
 /// What a group's stored rows make of constant light, in double precision.

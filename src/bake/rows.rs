@@ -37,7 +37,7 @@ pub(crate) enum Indices {
 }
 
 impl Indices {
-    fn for_table(len: usize) -> Self {
+    pub(super) fn for_table(len: usize) -> Self {
         if len <= 1 << 16 {
             Self::Narrow(Vec::new())
         } else {
@@ -45,7 +45,7 @@ impl Indices {
         }
     }
 
-    fn extend(&mut self, more: &[u32]) {
+    pub(super) fn extend(&mut self, more: &[u32]) {
         match self {
             Self::Narrow(list) => list.extend(more.iter().map(|&i| i as u16)),
             Self::Wide(list) => list.extend_from_slice(more),

@@ -1,6 +1,7 @@
 //! What a bake says of itself.
 
 use super::BakeSettings;
+use super::scheme::{Partitioner, Scheme};
 use super::transfer::GroupTransfer;
 
 /// Figures of one group of receivers.
@@ -39,6 +40,10 @@ pub(super) fn escaped_past_something(groups: &[GroupStats]) -> f64 {
 /// Figures of a bake, kept in its file.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct BakeStats {
+    /// How the transfer is stored.
+    pub scheme: Scheme,
+    /// What cut the mesh into partitions.
+    pub partitioner: Partitioner,
     /// Rays a vertex.
     pub rays: u32,
     /// Score below which coefficients were dropped.
@@ -65,6 +70,8 @@ impl BakeStats {
         let sum = |field: fn(&GroupStats) -> f64| groups.iter().map(field).sum::<f64>();
         let receivers = sum(|g| g.receivers).max(1.0);
         Self {
+            scheme: settings.scheme,
+            partitioner: settings.scheme.partitioner(),
             rays: settings.rays,
             threshold,
             arrived_share: sum(|g| g.arrived) / receivers,

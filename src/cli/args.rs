@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
-use relume::{Bounces, COMPONENTS, Component, SimdLevel};
+use relume::{Bounces, COMPONENTS, Component, Scheme, SimdLevel};
 
 /// Relight OBJ scenes on a CPU, with bounced light.
 #[derive(Debug, Parser)]
@@ -111,6 +111,10 @@ pub(super) struct SceneArguments {
     /// Change a key of the scene, as in light.lamp.intensity=[5,5,5]; repeatable.
     #[arg(long = "set", value_name = "PATH=VALUE")]
     pub(super) overrides: Vec<String>,
+    /// How a bake stores the transfer: relume, or paper (as published in 2007,
+    /// to compare with).
+    #[arg(long, default_value = "relume", value_parser = parse_scheme, value_name = "NAME")]
+    pub(super) scheme: Scheme,
     #[command(flatten)]
     pub(super) run: Run,
 }
@@ -200,6 +204,11 @@ fn parse_component(text: &str) -> Result<Component, String> {
         let names: Vec<&str> = COMPONENTS.iter().map(|&(name, _)| name).collect();
         format!("components are {}", names.join(", "))
     })
+}
+
+fn parse_scheme(text: &str) -> Result<Scheme, String> {
+    let found = Scheme::ALL.into_iter().find(|scheme| scheme.name() == text);
+    found.ok_or_else(|| format!("schemes are {}", Scheme::ALL.map(Scheme::name).join(", ")))
 }
 
 fn parse_simd(text: &str) -> Result<SimdLevel, String> {

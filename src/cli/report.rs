@@ -68,6 +68,8 @@ pub(super) fn add_figures(object: &mut Value, figures: &SceneFigures) {
     });
     if let Some(bake) = bake {
         object["bake"] = json!({
+            "scheme": bake.stats.scheme.name(),
+            "partitioner": bake.stats.partitioner.name(),
             "rays": bake.stats.rays,
             "arrived_share": bake.stats.arrived_share,
             "escaped_share": bake.stats.escaped_share,

@@ -11,6 +11,7 @@
 )]
 
 mod lanes;
+pub(crate) mod lists;
 pub(crate) mod ray;
 pub(crate) mod rows;
 mod traverse;

@@ -8,6 +8,7 @@ mod mistakes;
 #[path = "../program/mod.rs"]
 mod program;
 mod reports;
+mod schemes;
 #[cfg(unix)]
 mod signals;
 mod stored_bakes;
