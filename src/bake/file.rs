@@ -10,14 +10,15 @@ use thiserror::Error;
 
 use super::basis::Basis;
 use super::key::BakeKey;
+use super::low_rank::LowRank;
 use super::paper::PaperRows;
-use super::rows::{Indices, Rows};
+use super::rows::{Columns, Indices, Rows};
 use super::scheme::{Operator, Partitioner, Scheme};
 use super::sky::Sky;
 use super::{Bake, BakeStats};
 
 const MAGIC: &[u8; 8] = b"relume\x1ab";
-const FORMAT_VERSION: u32 = 5;
+const FORMAT_VERSION: u32 = 6;
 /// Bytes before the payload: magic, version, key, length, checksum.
 const HEADER: usize = 8 + 4 + 32 + 8 + 32;
 
@@ -98,7 +99,7 @@ fn encode_payload(bake: &Bake) -> Vec<u8> {
     out.list(basis.values);
 
     match &bake.operator {
-        Operator::Shared(rows) => out.rows(rows),
+        Operator::LowRank(operator) => out.low_rank(operator),
         Operator::Paper(rows) => out.paper_rows(rows),
     }
     // A closed scene has no byte for the sky.
@@ -117,7 +118,7 @@ impl Writer {
         out.list(rows.near_steps.as_flattened());
         out.list(&rows.basis_offsets);
         out.list(&rows.coarse);
-        out.indices(&rows.functions);
+        out.columns(&rows.functions);
         out.list(rows.coefficients.as_flattened());
         out.list(rows.basis_steps.as_flattened());
         out.list(
@@ -127,6 +128,13 @@ impl Writer {
                 .flat_map(|&(first, count)| [first, count])
                 .collect::<Vec<u32>>(),
         );
+    }
+
+    fn low_rank(&mut self, operator: &LowRank) {
+        self.list(&operator.scales);
+        self.list(&[operator.component_count() as u32]);
+        self.rows(&operator.components);
+        self.rows(&operator.rows);
     }
 
     fn paper_rows(&mut self, rows: &PaperRows) {
@@ -195,9 +203,7 @@ fn decode_payload(payload: &[u8]) -> Result<Bake, FileError> {
 
     let slot_count = basis.slot_count();
     let operator = match scheme {
-        Scheme::Relume => {
-            Operator::Shared(input.rows(slot_count, basis.function_count(), slot_count)?)
-        }
+        Scheme::Relume => Operator::LowRank(input.low_rank(basis.function_count(), slot_count)?),
         Scheme::Paper => Operator::Paper(input.paper_rows(basis.function_count(), slot_count)?),
     };
     let sky = if input.rest.is_empty() {
@@ -257,6 +263,20 @@ impl Writer {
         items.iter().for_each(|item| item.write(&mut self.bytes));
     }
 
+    /// Runs, then listed functions; one of the two is empty.
+    fn columns(&mut self, columns: &Columns) {
+        match columns {
+            Columns::Listed(list) => {
+                self.list::<u32>(&[]);
+                self.indices(list);
+            }
+            Columns::Runs(first) => {
+                self.list(first);
+                self.indices(&Indices::Narrow(Vec::new()));
+            }
+        }
+    }
+
     /// Both widths in turn; one of the lists is empty.
     fn indices(&mut self, indices: &Indices) {
         match indices {
@@ -277,6 +297,22 @@ struct Reader<'a> {
 }
 
 impl Reader<'_> {
+    fn low_rank(&mut self, functions: usize, slots: usize) -> Result<LowRank, FileError> {
+        let scales = self.list()?;
+        let &[components] = self.list::<u32>()?.as_slice() else {
+            return Err(FileError::Damaged);
+        };
+        let components = components as usize;
+        let operator = LowRank {
+            scales,
+            components: self.rows(0, functions, components)?,
+            rows: self.rows(slots, components, slots)?,
+        };
+        let checked = operator.check(slots, functions);
+        checked.map_err(FileError::Inconsistent)?;
+        Ok(operator)
+    }
+
     /// Rows of `slot_count` receivers that name so many senders and functions.
     fn rows(
         &mut self,
@@ -293,7 +329,7 @@ impl Reader<'_> {
             near_steps: self.groups()?,
             basis_offsets: self.list()?,
             coarse: self.list()?,
-            functions: self.indices()?,
+            functions: self.columns()?,
             coefficients: self.groups()?,
             basis_steps: self.groups()?,
             receivers: self
@@ -342,6 +378,15 @@ impl Reader<'_> {
         } else {
             Err(FileError::Damaged)
         }
+    }
+
+    fn columns(&mut self) -> Result<Columns, FileError> {
+        let (runs, listed) = (self.list::<u32>()?, self.indices()?);
+        Ok(if runs.is_empty() {
+            Columns::Listed(listed)
+        } else {
+            Columns::Runs(runs)
+        })
     }
 
     fn indices(&mut self) -> Result<Indices, FileError> {

@@ -23,9 +23,8 @@ mod function_shares;
 mod graph;
 mod inertia;
 mod key;
-#[cfg(test)]
-mod lab;
 mod laplacian;
+mod low_rank;
 mod neighbours;
 mod operator;
 mod paper;
@@ -48,10 +47,7 @@ mod stats;
 mod subspace;
 mod transfer;
 mod window;
-mod witnesses;
 
-#[cfg(test)]
-use glam::Vec3;
 use rayon::prelude::*;
 use thiserror::Error;
 
@@ -60,11 +56,9 @@ use excitation::Excitation;
 use function_shares::functions_by_area;
 use graph::VertexGraph;
 use neighbours::vertex_graph;
-use operator::sampled_rows;
 use partition::{Partition, PartitionSettings, partition};
 use rows::Rows;
 use sky::Sky;
-use witnesses::Witnesses;
 
 pub(crate) use cache::{Baked, CacheOutcome, load_or_bake, load_stored};
 pub use forecast::BakeForecast;
@@ -78,6 +72,7 @@ pub(crate) use sky::OPEN_SHARE;
 pub use stats::BakeStats;
 
 use crate::simd::Level;
+use crate::simd::rows::GroupSums;
 use crate::surface::Surface;
 
 /// Groups of eight receivers that one task of [`apply_rows`] takes.
@@ -101,24 +96,15 @@ pub(crate) struct Bake {
 struct Importance {
     /// sigma_k: RMS over prior lights of the light's coefficient.
     sigma: Vec<f32>,
-    /// What some of these lights do to each partition.
-    witnesses: Witnesses,
 }
 
 impl Importance {
     fn of(surface: &Surface, run: &RunSettings, basis: &Basis) -> Result<Self, BakeError> {
         let mut excitation = Excitation::new(basis);
-        let mut witnesses = Witnesses::new(basis);
-        let take = |light: prior::Prior, brightness: &[f32]| {
-            excitation.add(basis, run.level, brightness);
-            if light.is_witness {
-                witnesses.add(basis, brightness);
-            }
-        };
+        let take = |brightness: &[f32]| excitation.add(basis, run.level, brightness);
         let light_count = prior::for_each(surface, run, take).ok_or(BakeError::Cancelled)?;
         Ok(Self {
             sigma: excitation.sigma(light_count),
-            witnesses,
         })
     }
 }
@@ -147,8 +133,9 @@ impl Bake {
         let (operator, sky, stats) = match settings.scheme {
             Scheme::Relume => {
                 let importance = Importance::of(surface, run, &basis)?;
-                let (rows, sky, stats) = sampled_rows(surface, settings, run, &basis, &importance)?;
-                (Operator::Shared(rows), sky, stats)
+                let (rows, sky, stats) =
+                    low_rank::sampled_rows(surface, settings, run, &basis, &importance)?;
+                (Operator::LowRank(rows), sky, stats)
             }
             Scheme::Paper => {
                 let (rows, sky, stats) = paper::sampled_rows(surface, settings, run, &basis)?;
@@ -228,20 +215,30 @@ impl Bake {
     }
 }
 
-/// Rows times a value a sender: what arrives at every receiver, in slots.
-fn apply_rows(level: Level, basis: &Basis, rows: &Rows, senders: &[[f32; 3]]) -> Vec<[f32; 3]> {
-    let light = basis.project_rgb(level, senders);
+/// Rows times a value a sender and a value a function: what arrives at every
+/// receiver, in slots.
+fn apply_rows(
+    level: Level,
+    rows: &Rows,
+    senders: &[[f32; 3]],
+    functions: &[[f32; 3]],
+) -> Vec<[f32; 3]> {
     let groups: Vec<_> = (0..rows.group_count())
         .into_par_iter()
         .with_min_len(GROUPS_PER_TASK)
-        .map(|group| rows.gather(level, group, senders, &light))
+        .map(|group| rows.gather(level, group, senders, functions))
         .collect();
-    let mut irradiance = Vec::new();
+    joined(rows, &groups)
+}
+
+/// The sums of all groups, a value a receiver.
+fn joined(rows: &Rows, groups: &[GroupSums]) -> Vec<[f32; 3]> {
+    let mut values = Vec::new();
     for (group, sums) in groups.iter().enumerate() {
         let (_, count) = rows.receivers(group);
-        irradiance.extend((0..count).map(|lane| [sums[0][lane], sums[1][lane], sums[2][lane]]));
+        values.extend((0..count).map(|lane| [sums[0][lane], sums[1][lane], sums[2][lane]]));
     }
-    irradiance
+    values
 }
 
 /// Partitions the vertices and finds each partition's lowest eigenvectors.

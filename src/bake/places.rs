@@ -139,18 +139,32 @@ impl<'a> Places<'a> {
             let towards = crate::maths::sampling::cosine_direction(from.flat_normal, [u(3), u(4)]);
             let origin = offset_origin(from.position, from.flat_normal, towards);
             let chord = |origin, direction| {
-                let free = surface.rays.closest(level, &Ray { origin, direction, t_max: f32::INFINITY });
+                let free = surface.rays.closest(
+                    level,
+                    &Ray {
+                        origin,
+                        direction,
+                        t_max: f32::INFINITY,
+                    },
+                );
                 free.map_or(extent, |hit| hit.t)
             };
             let place = origin + towards * (u(5) * chord(origin, towards).min(extent));
             // Nothing within the margin in fourteen directions.
             let free = (0..14).all(|d| {
-                let direction = if d < 6 { let mut v = Vec3::ZERO; v[d / 2] = if d % 2 == 0 { 1.0 } else { -1.0 }; v } else {
+                let direction = if d < 6 {
+                    let mut v = Vec3::ZERO;
+                    v[d / 2] = if d % 2 == 0 { 1.0 } else { -1.0 };
+                    v
+                } else {
                     let s = |bit: usize| if (d - 6) >> bit & 1 == 0 { 1.0 } else { -1.0 };
-                    Vec3::new(s(0), s(1), s(2)).normalize() };
+                    Vec3::new(s(0), s(1), s(2)).normalize()
+                };
                 chord(place, direction) > margin
             });
-            if free { return place; }
+            if free {
+                return place;
+            }
         }
         self.point([seed, light])
     }

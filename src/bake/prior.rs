@@ -4,9 +4,9 @@
 use glam::Vec3;
 use rayon::prelude::*;
 
+use super::places::Places;
 use super::transfer::vertex_rays;
 use super::{RunSettings, sky};
-use super::places::Places;
 use crate::maths::hash::uniform;
 use crate::maths::sampling::sphere_direction;
 use crate::scene::PlacedLight;
@@ -19,9 +19,6 @@ const SPOTS: u32 = 32;
 const DIRECTIONALS: u32 = 32;
 /// Half angle of the prior spots, degrees.
 const SPOT_CUTOFF_DEG: f32 = 20.0;
-/// Of so many lights one is a witness; with the skies and the constant light
-/// these are 40.
-const WITNESS_STRIDE: usize = 8;
 /// Prior skies, in an open scene.
 const SKIES: usize = 7;
 /// Rays a vertex that look for the prior skies.
@@ -75,13 +72,6 @@ pub(super) fn unit_sun(places: &Places, [seed, light]: [u32; 2]) -> PlacedLight 
     })
 }
 
-/// A prior light as it is handed over.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Prior {
-    /// Whether it is one of the few that every group of receivers asks.
-    pub(super) is_witness: bool,
-}
-
 /// Irradiance of every prior light at the vertices (albedo 1), each scaled to
 /// RMS 1 and handed over one at a time: lights with a place, skies where the
 /// scene is open, and the constant light last. Lights that reach nothing are
@@ -90,31 +80,30 @@ pub(super) struct Prior {
 pub(super) fn for_each(
     surface: &Surface,
     run: &RunSettings,
-    mut take: impl FnMut(Prior, &[f32]),
+    mut take: impl FnMut(&[f32]),
 ) -> Option<usize> {
     let mut count = 0;
-    let mut hand_over = |is_witness: bool, mut brightness: Vec<f32>| {
+    let mut hand_over = |mut brightness: Vec<f32>| {
         if scale_to_rms_1(&mut brightness) {
-            take(Prior { is_witness }, &brightness);
+            take(&brightness);
             count += 1;
         }
     };
     let shadows = direct::Shadows::of_surface(surface, run.level);
     let lights = lights(&Places::of(surface, run.level));
     run.progress.stage("prior lights", lights.len() as u64);
-    for (number, light) in lights.into_iter().enumerate() {
+    for light in lights {
         if run.progress.cancelled() {
             return None;
         }
         run.progress.advance(1);
         let irradiance = direct::at_vertices_by_one_point(&shadows, &light);
-        let is_witness = number % WITNESS_STRIDE == 0;
-        hand_over(is_witness, irradiance.iter().map(|e| e.x).collect());
+        hand_over(irradiance.iter().map(|e| e.x).collect());
     }
     for sky in skies(surface, run.level) {
-        hand_over(true, sky);
+        hand_over(sky);
     }
-    hand_over(true, vec![1.0; surface.vertices.len()]);
+    hand_over(vec![1.0; surface.vertices.len()]);
     Some(count)
 }
 

@@ -4,14 +4,14 @@
 use std::ops::Range;
 
 use super::basis::Basis;
+use super::low_rank::LowRank;
 use super::paper::PaperRows;
-use super::rows::Rows;
 use crate::simd::Level;
 
 /// How a bake cuts up the mesh and stores the transfer.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum Scheme {
-    /// relume's own: a near field, lists shared by eight receivers, functions
+    /// relume's own: a near field, a low-rank product for the rest, functions
     /// by area, and constant light kept.
     #[default]
     Relume,
@@ -87,8 +87,8 @@ impl Partitioner {
 /// The compressed transfer operator T~ of a bake.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Operator {
-    /// Rows of eight receivers that share their lists.
-    Shared(Rows),
+    /// A near field, and a low-rank product for the rest.
+    LowRank(LowRank),
     /// A list a receiver, as published.
     Paper(PaperRows),
 }
@@ -102,7 +102,7 @@ impl Operator {
         radiosity: &[[f32; 3]],
     ) -> Vec<[f32; 3]> {
         match self {
-            Self::Shared(rows) => super::apply_rows(level, basis, rows, radiosity),
+            Self::LowRank(rows) => rows.apply(level, basis, radiosity),
             Self::Paper(rows) => rows.apply(level, basis, radiosity),
         }
     }
@@ -110,7 +110,7 @@ impl Operator {
     /// Slots of the receivers that see nothing but the sky, or nothing at all.
     pub(super) fn without_senders(&self) -> Vec<Range<usize>> {
         match self {
-            Self::Shared(rows) => (0..rows.group_count())
+            Self::LowRank(LowRank { rows, .. }) => (0..rows.group_count())
                 .filter(|&group| rows.is_empty(group))
                 .map(|group| {
                     let (first, count) = rows.receivers(group);
@@ -124,7 +124,7 @@ impl Operator {
     /// Bytes of the operator, all lists and steps.
     pub(crate) fn bytes(&self) -> usize {
         match self {
-            Self::Shared(rows) => rows.bytes(),
+            Self::LowRank(rows) => rows.bytes(),
             Self::Paper(rows) => rows.bytes(),
         }
     }
@@ -132,7 +132,7 @@ impl Operator {
     /// Entries a vertex in the mean, near field included.
     pub(crate) fn coefficients_per_vertex(&self) -> f64 {
         match self {
-            Self::Shared(rows) => rows.coefficients_per_vertex(),
+            Self::LowRank(rows) => rows.coefficients_per_vertex(),
             Self::Paper(rows) => rows.coefficients_per_vertex(),
         }
     }

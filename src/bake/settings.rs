@@ -8,8 +8,8 @@ use crate::scene::BakeKeys;
 const RAYS: u32 = 1024;
 /// Basis functions for 1,000 vertices.
 const FUNCTIONS_PER_1000: f64 = 32.0;
-/// Coefficients a vertex, near field included.
-const COEFFICIENTS: u32 = 128;
+/// Coefficients a vertex: near field and components.
+const COEFFICIENTS: u32 = 64;
 /// Vertices a partition: 48 to 64 partitions at 35,000 vertices (decision 8).
 const VERTICES_PER_PART: u32 = 600;
 

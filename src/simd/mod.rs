@@ -10,6 +10,7 @@
     reason = "vendor intrinsics are unsafe to call; no other room may use them"
 )]
 
+pub(crate) mod block;
 mod lanes;
 pub(crate) mod lists;
 pub(crate) mod ray;

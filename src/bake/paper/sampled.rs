@@ -5,11 +5,11 @@ use rayon::prelude::*;
 
 use super::rows::{Coefficients, PaperRows};
 use crate::bake::basis::Basis;
-use crate::bake::compress::{self, Budget, Compressor};
-use crate::bake::operator::{pilot_groups, receiver_groups, threshold_of, vertices_of};
-use crate::bake::rows::{GroupRows, Rows};
-use crate::bake::sky::{self, Sky};
-use crate::bake::stats::{BakeStats, GroupStats, escaped_past_something};
+use crate::bake::compress;
+use crate::bake::operator::{SkyRows, receiver_groups, vertices_of};
+use crate::bake::rows::GroupRows;
+use crate::bake::sky::Sky;
+use crate::bake::stats::{BakeStats, GroupStats};
 use crate::bake::transfer::{self, GROUP, GroupTransfer, Sampling, sample_group};
 use crate::bake::{BakeError, BakeSettings, RunSettings};
 use crate::surface::Surface;
@@ -22,39 +22,28 @@ pub(in crate::bake) fn sampled_rows(
     run: &RunSettings,
     basis: &Basis,
 ) -> Result<(PaperRows, Option<Sky>, BakeStats), BakeError> {
-    let sky_basis = sky::basis();
-    let (sigma, constant) = (
-        sky::sigma(&sky_basis, run.level),
-        sky_basis.constant(run.level),
-    );
     let groups = receiver_groups(basis);
+    let sampling = Sampling {
+        surface,
+        level: run.level,
+        slot_of_vertex: basis.slot_of_vertex(),
+        rays: settings.rays,
+    };
+    let sky = SkyRows::new(basis, sampling, &groups);
     let job = Job {
         basis,
-        sampling: Sampling {
-            surface,
-            level: run.level,
-            slot_of_vertex: basis.slot_of_vertex(),
-            rays: settings.rays,
-        },
+        sampling,
         most_coefficients: settings.coefficients as usize,
-        sky: Compressor {
-            basis: &sky_basis,
-            sigma: &sigma,
-            witnesses: None,
-            constant: &constant,
-            budget: Budget::of(sky::COEFFICIENTS),
-        },
+        sky: &sky,
         groups: &groups,
     };
-    let sky_threshold = job.sky_threshold();
     if run.progress.cancelled() {
         return Err(BakeError::Cancelled);
     }
     run.progress.stage("transfer", groups.len() as u64);
-    let found = job.project_all(sky_threshold, run)?;
+    let found = job.project_all(run)?;
 
     let stats: Vec<GroupStats> = found.iter().map(|f| f.stats).collect();
-    let is_open = sky::is_open(escaped_past_something(&stats));
     let alone = found
         .iter()
         .flat_map(|f| vec![f.is_alone; f.rows.len()])
@@ -64,11 +53,7 @@ pub(in crate::bake) fn sampled_rows(
     let rows = PaperRows::quantised(basis.function_count(), &rows.concat(), alone);
     rows.check(basis.slot_count())
         .expect("rows that were just made fit each other");
-    let sky = is_open.then(|| {
-        let (senders, functions) = (sky_basis.slot_count(), sky_basis.function_count());
-        let rows = Rows::join(senders, functions, groups.clone(), &sky_rows);
-        Sky::new(sky_basis.clone(), rows)
-    });
+    let sky = sky.finish(&stats, &sky_rows);
     // What is smaller than half a step is quantised to zero.
     let stats = BakeStats::of(&stats, settings, 0.5 * rows.step);
     Ok((rows, sky, stats))
@@ -79,7 +64,7 @@ struct Job<'a> {
     basis: &'a Basis,
     sampling: Sampling<'a>,
     most_coefficients: usize,
-    sky: Compressor<'a>,
+    sky: &'a SkyRows<'a>,
     groups: &'a [(u32, u32)],
 }
 
@@ -105,7 +90,7 @@ impl Job<'_> {
     fn scratch(&self) -> Scratch {
         Scratch {
             transfer: transfer::Scratch::new(self.basis.slot_count()),
-            sky: compress::Scratch::new(self.sky.basis),
+            sky: self.sky.scratch(),
             coefficients: vec![[0.0; GROUP]; self.basis.function_count()],
         }
     }
@@ -115,21 +100,16 @@ impl Job<'_> {
         sample_group(&self.sampling, receivers, &mut scratch.transfer)
     }
 
-    fn project_all(
-        &self,
-        sky_threshold: f32,
-        run: &RunSettings,
-    ) -> Result<Vec<FoundGroup>, BakeError> {
+    fn project_all(&self, run: &RunSettings) -> Result<Vec<FoundGroup>, BakeError> {
         let project = |scratch: &mut Scratch, &group: &(u32, u32)| {
             if run.progress.cancelled() {
                 return Err(BakeError::Cancelled);
             }
             let transfer = self.sample(group, scratch);
-            let of_sky = sky::transfer_of(&transfer);
             let found = FoundGroup {
                 rows: self.project(&transfer, group.1 as usize, &mut scratch.coefficients),
                 is_alone: transfer.sees_only_sky(),
-                sky: self.sky.compress(&of_sky, sky_threshold, &mut scratch.sky),
+                sky: self.sky.compress(&transfer, &mut scratch.sky),
                 stats: GroupStats::of(&transfer, group.1 as usize),
             };
             run.progress.advance(1);
@@ -137,20 +117,6 @@ impl Job<'_> {
         };
         let groups = self.groups.par_iter();
         groups.map_init(|| self.scratch(), project).collect()
-    }
-
-    /// The score below which a function is dropped from a group's sky.
-    fn sky_threshold(&self) -> f32 {
-        let pilots = pilot_groups(self.groups);
-        let scores = |scratch: &mut Scratch, &group: &(u32, u32)| {
-            let of_sky = sky::transfer_of(&self.sample(group, scratch));
-            self.sky.scores(&of_sky, &mut scratch.sky)
-        };
-        let scores: Vec<Vec<f32>> = pilots
-            .par_iter()
-            .map_init(|| self.scratch(), scores)
-            .collect();
-        threshold_of(scores.concat(), self.sky.budget.basis * pilots.len())
     }
 
     /// The largest elements of T^s = T S (equation 4) of each receiver of a group.
