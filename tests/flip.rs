@@ -17,10 +17,15 @@ use relume::{FlipMap, Image, flip, hdr_flip};
 
 /// Environment variable with the Python to use instead of `python3`.
 const PYTHON: &str = "RELUME_PYTHON";
-/// Most difference of a mean: three digits of a number up to 1.
+/// Most difference of a mean: three digits of a number up to 1, which the
+/// rounding of the package's single precision (6e-5 measured on black and white,
+/// where it sums 6912 nearly equal errors; 8e-6 elsewhere) leaves whole.
 const MEAN_TOLERANCE: f64 = 5e-4;
-/// Most difference of the error of one pixel.
-const MAP_TOLERANCE: f64 = 5e-3;
+/// Most difference of the error of one pixel. Measured are 1e-4: the package's
+/// single precision, and the root that raises small feature differences. A
+/// kernel that is cut one pixel earlier, or another order of clamping, differs
+/// by more.
+const MAP_TOLERANCE: f64 = 5e-4;
 /// Most difference of an exposure, which the package has in single precision.
 const EXPOSURE_TOLERANCE: f64 = 1e-5;
 

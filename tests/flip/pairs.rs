@@ -9,7 +9,7 @@ const SIZE: [u32; 2] = [96, 72];
 
 /// Which measure a pair is for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Kind {
+pub(super) enum Kind {
     /// sRGB levels 0 to 255.
     Ldr,
     /// Linear radiance.
@@ -17,18 +17,19 @@ pub enum Kind {
 }
 
 /// Two images and how far apart they are.
-pub struct Pair {
-    pub name: &'static str,
-    pub kind: Kind,
-    pub reference: Image,
-    pub candidate: Image,
-    pub pixels_per_degree: f64,
-    /// Mean error as `flip-evaluator` 1.7 has it.
-    pub expected_mean: f64,
+pub(super) struct Pair {
+    pub(super) name: &'static str,
+    pub(super) kind: Kind,
+    pub(super) reference: Image,
+    pub(super) candidate: Image,
+    pub(super) pixels_per_degree: f64,
+    /// Mean error as `flip-evaluator` 1.7 of PyPI has it: what the test
+    /// `maps_are_those_of_the_package` prints.
+    pub(super) expected_mean: f64,
 }
 
 /// All pairs.
-pub fn all() -> Vec<Pair> {
+pub(super) fn all() -> Vec<Pair> {
     let mut pairs = ldr();
     pairs.extend(hdr());
     pairs
@@ -59,17 +60,17 @@ fn ldr() -> Vec<Pair> {
     let white = of_size(SIZE, |_, _| Vec3::splat(255.0));
     let far = Pair {
         pixels_per_degree: 25.0,
-        ..pair("noise at 25 px/degree", &picture, noisy.clone(), 0.0)
+        ..pair("noise at 25 px/degree", &picture, noisy.clone(), 0.235_186)
     };
     vec![
         pair("identical", &picture, picture.clone(), 0.0),
-        pair("one pixel", &picture, one_pixel, 0.0),
-        pair("shifted by a pixel", &picture, shifted, 0.0),
-        pair("noise", &picture, noisy, 0.0),
-        pair("blurred", &picture, blurred(&picture), 0.0),
-        pair("16-bit noise", &picture, finer, 0.0),
-        pair("black and white", &black, white, 0.0),
-        pair("5 x 3 pixels", &narrow, blurred(&narrow), 0.0),
+        pair("one pixel", &picture, one_pixel, 0.001_024),
+        pair("shifted by a pixel", &picture, shifted, 0.185_325),
+        pair("noise", &picture, noisy, 0.102_897),
+        pair("blurred", &picture, blurred(&picture), 0.317_073),
+        pair("16-bit noise", &picture, finer, 0.011_109),
+        pair("black and white", &black, white, 0.967_321),
+        pair("5 x 3 pixels", &narrow, blurred(&narrow), 0.611_414),
         far,
     ]
 }
@@ -99,22 +100,27 @@ fn hdr() -> Vec<Pair> {
     let flat = of_size(SIZE, |_, _| Vec3::new(0.25, 0.5, 0.125));
     vec![
         pair("identical", &picture, picture.clone(), 0.0),
-        pair("noise", &picture, noisy(&picture), 0.0),
-        pair("scaled", &picture, picture.map(|value| 1.125 * value), 0.0),
-        pair("blurred", &picture, blurred(&picture), 0.0),
+        pair("noise", &picture, noisy(&picture), 0.092_577),
+        pair(
+            "scaled",
+            &picture,
+            picture.map(|value| 1.125 * value),
+            0.167_553,
+        ),
+        pair("blurred", &picture, blurred(&picture), 0.318_278),
         pair(
             "black median, noise",
             &mostly_black,
             noisy(&mostly_black),
-            0.0,
+            0.034_372,
         ),
         pair(
             "black median, blurred",
             &mostly_black,
             blurred(&mostly_black),
-            0.0,
+            0.150_073,
         ),
-        pair("flat, noise", &flat, noisy(&flat), 0.0),
+        pair("flat, noise", &flat, noisy(&flat), 0.064_439),
     ]
 }
 

@@ -2,10 +2,12 @@
 
 use glam::{DVec3, Vec3};
 
-use super::colour::luminance;
 use crate::frame::Image;
 use crate::maths::functions::{exp2, log2};
 
+/// Luminance of the channels of linear Rec.709 RGB, with the digits that the
+/// standard gives.
+const LUMINANCE: DVec3 = DVec3::new(0.2126, 0.7152, 0.0722);
 /// ACES as fitted by Narkowicz (2016), with its factor of 0.6 before the
 /// curve: (n2 x² + n1 x) / (d2 x² + d1 x + d0).
 const NUMERATOR: [f64; 2] = [2.51 * 0.36, 0.03 * 0.6];
@@ -38,7 +40,9 @@ impl Exposures {
     /// comparable. Pixels that are not finite have no say.
     pub(super) fn of(reference: &Image) -> Self {
         let finite = reference.pixels().iter().filter(|pixel| pixel.is_finite());
-        let mut luminances: Vec<f64> = finite.map(|pixel| luminance(pixel.as_dvec3())).collect();
+        let mut luminances: Vec<f64> = finite
+            .map(|pixel| LUMINANCE.dot(pixel.as_dvec3()))
+            .collect();
         luminances.sort_unstable_by(f64::total_cmp);
         // Of an even number of pixels, the upper of the two in the middle.
         let of_rank = |rank: usize| luminances.get(rank).copied().unwrap_or(0.0).max(DARKEST);
