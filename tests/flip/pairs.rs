@@ -44,7 +44,7 @@ fn ldr() -> Vec<Pair> {
         pixels_per_degree: PIXELS_PER_DEGREE,
         expected_mean,
     };
-    let picture = of_size(SIZE, |x, y| levels(x, y));
+    let picture = of_size(SIZE, levels);
     let noisy = of_size(SIZE, |x, y| {
         (levels(x, y) + noise(x, y, 20)).clamp(Vec3::ZERO, Vec3::splat(255.0))
     });
