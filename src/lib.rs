@@ -42,7 +42,8 @@ mod texture;
 
 pub use bake::{BakeError, BakeForecast, BakeSettings, BakeStats, Progress, RunSettings, Silent};
 pub use frame::{
-    Difference, EncodedImage, Image, ImageSizeError, SizeMismatch, compare, count_beyond,
+    Difference, EncodedImage, FlipMap, HdrFlip, Image, ImageSizeError, PIXELS_PER_DEGREE,
+    SizeMismatch, compare, count_beyond, flip, hdr_flip,
 };
 pub use output::{LoadedImage, OutputError, Picture, check_format, read_image, write_picture};
 pub use relight::{

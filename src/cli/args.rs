@@ -21,7 +21,8 @@ pub(super) enum Command {
     Bake(Bake),
     /// Say what a scene asks for and what it will cost; bakes nothing.
     Info(Info),
-    /// Compare two images; exit code 1 if they differ by more than the limits.
+    /// Compare two images; exit code 1 if they differ by more than the limits
+    /// that are given, or at all if none is.
     Diff(Diff),
     /// Path-trace a scene: slow, and the truth to compare frames with.
     Reference(Reference),
@@ -73,14 +74,19 @@ pub(super) struct Diff {
     /// The image to judge, of the same format and size.
     pub(super) candidate: PathBuf,
     /// Largest difference of a channel that passes: levels of 255 for PNG,
-    /// linear values for EXR.
-    #[arg(long, default_value_t = 0.0, value_name = "X", value_parser = parse_limit,
+    /// linear values for EXR [default: 0].
+    #[arg(long, value_name = "X", value_parser = parse_limit, allow_negative_numbers = true)]
+    pub(super) max_channel_difference: Option<f64>,
+    /// Pixels that may differ by more than that: a number, or a share as in
+    /// 0.5% [default: 0].
+    #[arg(long, value_name = "N|P%", value_parser = parse_pixel_limit,
           allow_negative_numbers = true)]
-    pub(super) max_channel_difference: f64,
-    /// Pixels that may differ by more than that: a number, or a share as in 0.5%.
-    #[arg(long, default_value = "0", value_name = "N|P%", value_parser = parse_pixel_limit,
-          allow_negative_numbers = true)]
-    pub(super) max_differing_pixels: PixelLimit,
+    pub(super) max_differing_pixels: Option<PixelLimit>,
+    /// Largest mean FLIP (the difference that an observer sees, 0 to 1) that
+    /// passes [default: 0]. Alone, it is the only limit; beside one on channels
+    /// or pixels, both must hold.
+    #[arg(long, value_name = "X", value_parser = parse_limit, allow_negative_numbers = true)]
+    pub(super) max_flip: Option<f64>,
     #[command(flatten)]
     pub(super) run: Run,
 }
