@@ -46,9 +46,9 @@ pub use frame::{
 };
 pub use output::{LoadedImage, OutputError, Picture, check_format, read_image, write_picture};
 pub use relight::{
-    BakeFigures, BounceError, COMPONENTS, Component, Frame, FrameSettings, ImageCounts,
-    LightCounts, Outlook, RenderError, Renderer, SceneContents, SceneFigures, SkyView, Stages,
-    develop,
+    BakeFigures, BasisFunction, BasisFunctionError, BounceError, COMPONENTS, Component,
+    ComponentError, Frame, FrameSettings, ImageCounts, LightCounts, Outlook, RenderError, Renderer,
+    SceneContents, SceneFigures, SkyView, Stages, develop,
 };
 pub use scene::{
     Animation, Area, BakeKeys, Bounces, Camera, Directional, Environment, GoldenKeys, Light,

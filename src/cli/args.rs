@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
-use relume::{Bounces, COMPONENTS, Component, SimdLevel};
+use relume::{Bounces, Component, ComponentError, SimdLevel};
 
 /// Relight OBJ scenes on a CPU, with bounced light.
 #[derive(Debug, Parser)]
@@ -47,7 +47,10 @@ pub(super) struct Render {
     pub(super) view: ViewArguments,
     /// What to show.
     #[arg(long, default_value = "global", value_parser = parse_component, value_name = "NAME",
-          long_help = "What to show: global, direct, indirect, irradiance, albedo, normal or depth.")]
+          long_help = "What to show: global, direct, indirect, irradiance, albedo, normal, depth, \
+                       approximated-direct (direct light as the basis has it), partitions (of the \
+                       basis), basis:K (its function K, from 0) or basis:P.K (function K of \
+                       partition P).")]
     pub(super) component: Component,
     /// How indirect light is read at pixels: from the vertices.
     #[arg(long, default_value = "standard", value_parser = ["standard"], value_name = "NAME")]
@@ -194,12 +197,8 @@ fn parse_bounces(text: &str) -> Result<Bounces, String> {
     }
 }
 
-fn parse_component(text: &str) -> Result<Component, String> {
-    let found = COMPONENTS.iter().find(|(name, _)| *name == text);
-    found.map(|&(_, component)| component).ok_or_else(|| {
-        let names: Vec<&str> = COMPONENTS.iter().map(|&(name, _)| name).collect();
-        format!("components are {}", names.join(", "))
-    })
+fn parse_component(text: &str) -> Result<Component, ComponentError> {
+    text.parse()
 }
 
 fn parse_simd(text: &str) -> Result<SimdLevel, String> {

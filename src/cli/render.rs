@@ -106,9 +106,13 @@ fn report(arguments: &Render, renderer: &Renderer, frame: &Frame, digest: &str) 
         text.push_str(&format!("{}: {} x {}\n", path.display(), size[0], size[1]));
     }
     text.push_str(&figures_text(&figures));
-    if frame.clamped_pixels > 0 && arguments.component != Component::Direct {
+    if frame.clamped_pixels > 0 {
+        let light = match arguments.component {
+            Component::ApproximatedDirect => "approximated direct",
+            _ => "indirect",
+        };
         text.push_str(&format!(
-            "\n{} pixels had indirect light below zero",
+            "\n{} pixels had {light} light below zero",
             frame.clamped_pixels
         ));
     }
