@@ -16,6 +16,7 @@
 //! | `bake` | partitions, spectral basis, sampled transfer, compressed rows, bake file |
 //! | `relight` | direct light, bounces, rasterizer, shading |
 //! | `reference` | path tracer: the truth that everything is measured against |
+//! | `measure` | how long frames take |
 //! | `output` | PNG and EXR files |
 //!
 //! ```no_run
@@ -32,6 +33,7 @@
 mod bake;
 mod frame;
 mod maths;
+pub mod measure;
 mod output;
 pub mod reference;
 mod relight;

@@ -25,6 +25,8 @@ pub(super) enum Command {
     Diff(Diff),
     /// Path-trace a scene: slow, and the truth to compare frames with.
     Reference(Reference),
+    /// Time relighting while a light moves; writes no picture.
+    Measure(Measure),
 }
 
 impl Command {
@@ -35,6 +37,7 @@ impl Command {
             Self::Info(arguments) => &arguments.scene.run,
             Self::Diff(arguments) => &arguments.run,
             Self::Reference(arguments) => &arguments.scene.run,
+            Self::Measure(arguments) => &arguments.scene.run,
         }
     }
 }
@@ -105,6 +108,18 @@ pub(super) struct Reference {
     pub(super) component: String,
 }
 
+#[derive(Debug, Args)]
+pub(super) struct Measure {
+    #[command(flatten)]
+    pub(super) scene: SceneArguments,
+    #[command(flatten)]
+    pub(super) frame: FrameArguments,
+    /// Frames to time: in each, the first point, spot or area light stands
+    /// elsewhere on a circle of 5 % of the extent about its place.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MOST_FRAMES))]
+    pub(super) frames: Option<u32>,
+}
+
 /// A scene, as its file and the command line have it.
 #[derive(Debug, Args)]
 pub(super) struct SceneArguments {
@@ -124,6 +139,13 @@ pub(super) struct ViewArguments {
     /// Where the picture goes (.png or .exr); repeatable.
     #[arg(short, long, value_name = "OUT", required = true)]
     pub(super) output: Vec<PathBuf>,
+    #[command(flatten)]
+    pub(super) frame: FrameArguments,
+}
+
+/// What of a frame the command line may change.
+#[derive(Debug, Args)]
+pub(super) struct FrameArguments {
     /// Size of the picture in pixels, instead of the scene's.
     #[arg(long, value_parser = parse_size, value_name = "WxH")]
     pub(super) size: Option<Size>,
@@ -167,6 +189,8 @@ pub(super) enum PixelLimit {
 
 /// Longest side of a picture, pixels.
 const LARGEST_SIDE: u32 = 16_384;
+/// Most frames to time.
+const MOST_FRAMES: i64 = 100_000;
 /// Most bounces by number, as in the scene file.
 const MOST_BOUNCES: u32 = 10_000;
 

@@ -46,8 +46,8 @@ pub enum BasisFunctionError {
     },
     /// Its number in its partition is too large.
     #[error(
-        "{asked}: partition {partition} of {partitions} has {functions} functions, \
-         numbered from 0 to {}",
+        "{asked}: partition {partition} of {partitions} has function numbers from 0 to {} \
+         (functions in all: {functions})",
         functions - 1
     )]
     FunctionOfPartition {

@@ -15,8 +15,9 @@ const ROUNDING: f32 = 1e-5;
 
 /// The constant is in every partition's basis, so means over the vertices stay;
 /// the camera sees vertices with other weights, and what is negative is shown
-/// as zero.
-const MEAN_KEPT: f64 = 0.1;
+/// as zero. With edges of 0.2 m the mean is off by 0.004, of 0.5 m (four to a
+/// wall) by 0.16.
+const MEAN_KEPT: f64 = 0.02;
 
 /// A component of the small box, as linear values.
 fn component(folder: &Path, name: &str, arguments: &[&str]) -> Image {
@@ -155,7 +156,7 @@ fn every_component_shows_what_it_is_called() {
 fn the_basis_is_shown_in_colours_that_no_exposure_changes() {
     let folder = temporary_folder();
     let exposed = ["--set", "render.exposure=3.0"];
-    for name in ["partitions", "basis:1", "basis:0.1"] {
+    for name in ["partitions", "basis:0", "basis:0.0"] {
         let picture = format!("{}.png", name.replace(':', "-"));
         let levels = |arguments: &[&str]| {
             let arguments = [&["--component", name], arguments].concat();
@@ -174,7 +175,7 @@ fn the_basis_is_shown_in_colours_that_no_exposure_changes() {
         let seen = plain.pixels().iter().filter(|p| p.max_element() > 0.0);
         assert!(seen.count() > 800, "{name} shows the room");
     }
-    let [first, second] = ["basis:1", "basis:0.1"].map(|name| {
+    let [first, second] = ["basis:0", "basis:0.0"].map(|name| {
         let picture = folder
             .path()
             .join(format!("{}.png", name.replace(':', "-")));
@@ -182,14 +183,15 @@ fn the_basis_is_shown_in_colours_that_no_exposure_changes() {
     });
     assert_eq!(
         first, second,
-        "function 1 of all is function 1 of partition 0"
+        "function 0 of all is function 0 of partition 0"
     );
 }
 
 #[test]
 fn approximated_direct_light_is_like_direct_light() {
     let folder = temporary_folder();
-    let see = |name| component(folder.path(), name, &["--bounces", "0"]);
+    let finer = ["--bounces", "0", "--set", "bake.max_edge=0.2"];
+    let see = |name| component(folder.path(), name, &finer);
     let (approximated, direct) = (see("approximated-direct"), see("direct"));
     let mean = |image: &Image| {
         let sum: f64 = image

@@ -83,7 +83,7 @@ fn functions_that_the_basis_does_not_have() {
     refused(
         &small("basis:0.100000"),
         USAGE,
-        &["partition 0 of", "functions, numbered from 0 to"],
+        &["partition 0 of", "numbers from 0 to", "functions in all"],
     );
 }
 
@@ -143,6 +143,21 @@ fn a_command_that_lacks_something_says_what() {
         let said = finished.stderr.contains(word);
         assert!(said, "{arguments:?}: nothing says {word:?}: {finished:#?}");
     }
+}
+
+#[test]
+fn measuring_needs_frames_and_a_light_that_can_move() {
+    let path = scene("cornell");
+    let path = path.to_str().expect("the repository's path is UTF-8");
+    let without = run(&mut relume(&["measure", path]));
+    assert_ends(&without, USAGE, &["error: ", "--frames N"]);
+    let none = run(&mut relume(&["measure", path, "--frames", "0"]));
+    assert_ends(&none, USAGE, &["--frames", "1..=100000"]);
+    let day = scene("window").with_file_name("day.toml");
+    let far = run(relume(&["measure", "--frames", "2", "--no-cache"]).arg(day));
+    let words = ["error: ", "no local light", "[[light]]", "point"];
+    assert_ends(&far, USAGE, &words);
+    assert_eq!(far.stderr.matches("no local light").count(), 1, "{far:#?}");
 }
 
 /// Expects a refusal of a scene file with this text.
