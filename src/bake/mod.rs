@@ -10,6 +10,7 @@
 //! Two schemes ([`Scheme`]) differ in the partitions and in how rows are
 //! compressed: relume's own, and the published one in `paper`.
 
+mod audit;
 mod basis;
 mod cache;
 mod compress;
@@ -45,13 +46,14 @@ mod sky;
 mod sky_tests;
 mod stats;
 mod subspace;
+mod test_lights;
 mod transfer;
 mod window;
 
 use rayon::prelude::*;
 use thiserror::Error;
 
-use basis::{Basis, BasisError};
+use basis::BasisError;
 use excitation::Excitation;
 use function_shares::functions_by_area;
 use graph::VertexGraph;
@@ -60,6 +62,7 @@ use partition::{Partition, PartitionSettings, partition};
 use rows::Rows;
 use sky::Sky;
 
+pub(crate) use basis::Basis;
 pub(crate) use cache::{Baked, CacheOutcome, load_or_bake, load_stored};
 pub use forecast::BakeForecast;
 pub(crate) use forecast::forecast;

@@ -13,9 +13,9 @@ use rayon::prelude::*;
 use super::transfer::vertex_rays;
 use crate::maths::functions::{exp, ln};
 use crate::maths::hash::uniform;
-use crate::maths::sampling::{pick, sphere_direction};
+use crate::maths::sampling::{cosine_direction, pick, sphere_direction};
 use crate::simd::Level;
-use crate::surface::{NONE, Ray, Surface, offset_origin};
+use crate::surface::{NONE, Ray, Surface, SurfacePoint, offset_origin};
 
 /// Rays a vertex that look around.
 const RAYS: u32 = 64;
@@ -28,6 +28,23 @@ const FARTHEST: f64 = 0.5;
 const INSIDE_FREE_SPACE: f32 = 0.9;
 /// Share of all rays that must escape for suns to have places.
 const OPEN_SHARE: f64 = super::sky::OPEN_SHARE;
+
+/// Tries to find a place with room around it.
+const MOST_ATTEMPTS: u32 = 64;
+/// First random number of the tries, and how many each takes.
+const FIRST_ATTEMPT: u32 = 16;
+const NUMBERS_AN_ATTEMPT: u32 = 8;
+
+/// Directions that are looked into for room: along the axes and the diagonals.
+fn around() -> impl Iterator<Item = Vec3> {
+    let signs = [-1.0_f32, 0.0, 1.0];
+    let all = signs
+        .into_iter()
+        .flat_map(move |x| signs.map(|y| (x, y)))
+        .flat_map(move |(x, y)| signs.map(|z| Vec3::new(x, y, z)));
+    all.map(Vec3::normalize_or_zero)
+        .filter(|d| *d != Vec3::ZERO)
+}
 
 /// What the rays of every vertex found.
 pub(super) struct Places<'a> {
@@ -98,7 +115,7 @@ impl<'a> Places<'a> {
     /// A surface point moved along a random direction of its side by a
     /// log-uniform distance, not through another surface. Placed units.
     pub(super) fn point(&self, [seed, light]: [u32; 2]) -> Vec3 {
-        let (surface, level) = (self.surface, self.level);
+        let surface = self.surface;
         let u = |dimension| uniform(seed, light, dimension);
         let vertex = pick(&self.cumulative, u(0));
         let from = surface.sample_point(vertex, [u(1), u(2)]);
@@ -111,62 +128,73 @@ impl<'a> Places<'a> {
         let extent = surface.placement.extent * surface.placement.scale;
         let distance = extent * exp(ln(NEAREST) + f64::from(u(5)) * (ln(FARTHEST) - ln(NEAREST)));
         let origin = offset_origin(from.position, from.flat_normal, towards);
-        let free = surface.rays.closest(
-            level,
-            &Ray {
-                origin,
-                direction: towards,
-                t_max: f32::INFINITY,
-            },
-        );
-        let reach = free.map_or(f32::INFINITY, |hit| hit.t * INSIDE_FREE_SPACE);
+        let reach = self.reach(origin, towards) * INSIDE_FREE_SPACE;
         let distance = distance as f32;
         origin + towards * if distance < reach { distance } else { reach }
     }
 
-    /// A place in free space: on the chord from a random surface point along a
-    /// random direction of its side, uniform, at least `nearest` extents away
-    /// from either end where the chord allows it. Placed units.
-    pub(super) fn room_point(&self, [seed, light]: [u32; 2], nearest: f64) -> Vec3 {
-        let (surface, level) = (self.surface, self.level);
-        let u = |dimension| uniform(seed, light, dimension);
-        let extent = (surface.placement.extent * surface.placement.scale) as f32;
-        let margin = nearest as f32 * extent;
-        for attempt in 0..64_u32 {
-            let u = |dimension: u32| u(16 + attempt * 8 + dimension);
+    /// A place in free space: uniform on the chord from a random surface point
+    /// along a random direction of its side, with nothing nearer than `clearance`
+    /// extents in the directions that are looked into. Placed units.
+    pub(super) fn room_point(&self, [seed, light]: [u32; 2], clearance: f64) -> Vec3 {
+        let extent = (self.surface.placement.extent * self.surface.placement.scale) as f32;
+        let clearance = clearance as f32 * extent;
+        for attempt in 0..MOST_ATTEMPTS {
+            let first = FIRST_ATTEMPT + attempt * NUMBERS_AN_ATTEMPT;
+            let u = |dimension: u32| uniform(seed, light, first + dimension);
             let vertex = pick(&self.cumulative, u(0));
-            let from = surface.sample_point(vertex, [u(1), u(2)]);
-            let towards = crate::maths::sampling::cosine_direction(from.flat_normal, [u(3), u(4)]);
+            let from = self.surface.sample_point(vertex, [u(1), u(2)]);
+            let towards = cosine_direction(from.flat_normal, [u(3), u(4)]);
             let origin = offset_origin(from.position, from.flat_normal, towards);
-            let chord = |origin, direction| {
-                let free = surface.rays.closest(
-                    level,
-                    &Ray {
-                        origin,
-                        direction,
-                        t_max: f32::INFINITY,
-                    },
-                );
-                free.map_or(extent, |hit| hit.t)
-            };
-            let place = origin + towards * (u(5) * chord(origin, towards).min(extent));
-            // Nothing within the margin in fourteen directions.
-            let free = (0..14).all(|d| {
-                let direction = if d < 6 {
-                    let mut v = Vec3::ZERO;
-                    v[d / 2] = if d % 2 == 0 { 1.0 } else { -1.0 };
-                    v
-                } else {
-                    let s = |bit: usize| if (d - 6) >> bit & 1 == 0 { 1.0 } else { -1.0 };
-                    Vec3::new(s(0), s(1), s(2)).normalize()
-                };
-                chord(place, direction) > margin
-            });
-            if free {
+            let chord = self.reach(origin, towards).min(extent);
+            let place = origin + towards * (u(5) * chord);
+            if around().all(|direction| self.reach(place, direction) > clearance) {
                 return place;
             }
         }
         self.point([seed, light])
+    }
+
+    /// A random surface point that hands light on.
+    pub(super) fn surface_point(&self, [seed, light]: [u32; 2]) -> SurfacePoint {
+        let u = |dimension| uniform(seed, light, dimension);
+        let vertex = pick(&self.cumulative, u(0));
+        self.surface.sample_point(vertex, [u(1), u(2)])
+    }
+
+    /// A place so far from the corner that is farthest from the middle of what
+    /// hands light on, towards the middle. Placed units.
+    pub(super) fn corner(&self, distance: f32) -> Vec3 {
+        let positions = self.surface.vertices.positions();
+        let mut last = 0.0;
+        let (mut middle, mut total) = (Vec3::ZERO, 0.0_f32);
+        let mut farthest = (0.0, Vec3::ZERO);
+        for (&position, &sum) in positions.iter().zip(&self.cumulative) {
+            middle += position * (sum - last);
+            total += sum - last;
+            last = sum;
+        }
+        middle /= total;
+        last = 0.0;
+        for (&position, &sum) in positions.iter().zip(&self.cumulative) {
+            let away = position.distance_squared(middle);
+            if sum > last && away > farthest.0 {
+                farthest = (away, position);
+            }
+            last = sum;
+        }
+        farthest.1 + (middle - farthest.1).normalize_or_zero() * distance
+    }
+
+    /// Distance to the next surface.
+    fn reach(&self, origin: Vec3, direction: Vec3) -> f32 {
+        let ray = Ray {
+            origin,
+            direction,
+            t_max: f32::INFINITY,
+        };
+        let hit = self.surface.rays.closest(self.level, &ray);
+        hit.map_or(f32::INFINITY, |hit| hit.t)
     }
 
     /// Direction of travel of a sun that reaches a surface that hands light on.
