@@ -71,6 +71,47 @@ pub struct ErrorParts {
     pub truth: LightErrors,
 }
 
+impl ErrorParts {
+    fn all(&self) -> [LightErrors; 5] {
+        [
+            self.total,
+            self.noise,
+            self.basis,
+            self.compression,
+            self.truth,
+        ]
+    }
+
+    /// All figures, for a file.
+    pub(super) fn numbers(&self) -> Vec<f64> {
+        let of = |e: LightErrors| [e.mean, e.p95, e.worst, e.signed];
+        self.all().into_iter().flat_map(of).collect()
+    }
+
+    /// What [`Self::numbers`] gave; `None` if these are not so many.
+    pub(super) fn from_numbers(numbers: &[f64]) -> Option<Self> {
+        let (groups, []) = numbers.as_chunks::<4>() else {
+            return None;
+        };
+        let of = |&[mean, p95, worst, signed]: &[f64; 4]| LightErrors {
+            mean,
+            p95,
+            worst,
+            signed,
+        };
+        let [total, noise, basis, compression, truth] = groups else {
+            return None;
+        };
+        Some(Self {
+            total: of(total),
+            noise: of(noise),
+            basis: of(basis),
+            compression: of(compression),
+            truth: of(truth),
+        })
+    }
+}
+
 /// Fields at the receivers of an audit.
 pub(crate) struct Receivers {
     groups: Vec<(u32, u32)>,

@@ -8,6 +8,7 @@
 
 use thiserror::Error;
 
+use super::audit::ErrorParts;
 use super::basis::Basis;
 use super::key::BakeKey;
 use super::low_rank::LowRank;
@@ -89,6 +90,7 @@ fn encode_payload(bake: &Bake) -> Vec<u8> {
         stats.energy_mean,
         stats.energy_worst,
     ]);
+    out.list(&stats.errors.numbers());
     out.list(&bake.backs.iter().map(|&b| u8::from(b)).collect::<Vec<_>>());
 
     out.list(&bake.open_points);
@@ -172,7 +174,9 @@ fn decode_payload(payload: &[u8]) -> Result<Bake, FileError> {
     else {
         return Err(FileError::Damaged);
     };
+    let errors = ErrorParts::from_numbers(&input.list()?).ok_or(FileError::Damaged)?;
     let stats = BakeStats {
+        errors,
         scheme,
         partitioner,
         rays,

@@ -53,6 +53,7 @@ mod window;
 use rayon::prelude::*;
 use thiserror::Error;
 
+use audit::{AuditSize, audit};
 use basis::BasisError;
 use excitation::Excitation;
 use function_shares::functions_by_area;
@@ -61,7 +62,9 @@ use neighbours::vertex_graph;
 use partition::{Partition, PartitionSettings, partition};
 use rows::Rows;
 use sky::Sky;
+use test_lights::TestLights;
 
+pub use audit::{ErrorParts, LightErrors};
 pub(crate) use basis::Basis;
 pub(crate) use cache::{Baked, CacheOutcome, load_or_bake, load_stored};
 pub use forecast::BakeForecast;
@@ -78,6 +81,9 @@ use crate::simd::Level;
 use crate::simd::rows::GroupSums;
 use crate::surface::Surface;
 
+/// Seed of the lights that a bake states its error for. The prior lights, the
+/// search for an error and the reports have seeds of their own.
+const STATED_SEED: u32 = 0x57a7ed;
 /// Groups of eight receivers that one task of [`apply_rows`] takes.
 const GROUPS_PER_TASK: usize = 32;
 
@@ -157,7 +163,20 @@ impl Bake {
         bake.stats.largest_eigenvalue = energy::largest_eigenvalue(&bake, run.level);
         let ratios = energy::energy_ratios(&bake, surface, run.level);
         (bake.stats.energy_mean, bake.stats.energy_worst) = (ratios.mean, ratios.worst);
+        bake.stats.errors = bake.stated_errors(surface, settings, run);
         Ok(bake)
+    }
+
+    /// The errors that the bake states of itself.
+    fn stated_errors(
+        &self,
+        surface: &Surface,
+        settings: &BakeSettings,
+        run: &RunSettings,
+    ) -> ErrorParts {
+        run.progress.stage("error", 1);
+        let lights = TestLights::of(surface, &self.basis, run.level, STATED_SEED);
+        audit(self, surface, settings, &lights, AuditSize::SHORT, run)
     }
 
     /// E = T~ B, irradiance from radiosity, both in slots, W/m2.

@@ -1,6 +1,7 @@
 //! What a bake says of itself.
 
 use super::BakeSettings;
+use super::audit::ErrorParts;
 use super::scheme::{Partitioner, Scheme};
 use super::transfer::GroupTransfer;
 
@@ -63,6 +64,9 @@ pub struct BakeStats {
     pub energy_mean: f64,
     /// That of the light for which it is farthest from 1.
     pub energy_worst: f64,
+    /// Error of one bounce of indirect light, under lights that the bake did not
+    /// choose by.
+    pub errors: ErrorParts,
 }
 
 impl BakeStats {
