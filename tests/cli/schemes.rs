@@ -12,9 +12,11 @@ use crate::program::{
 };
 
 /// Relative difference of the two schemes' indirect light over blocks of 8 by 8
-/// pixels, on a box of 100 coefficients: the published one answers constant light
-/// only as well as its elements do. Measured 0.024 with METIS and 0.021 without.
-const SCHEMES_DIFFER_BY: std::ops::Range<f64> = 0.002..0.04;
+/// pixels, on a coarse box: what is truncated is missing from the published one,
+/// which is 4 and 7 % darker in the mean. Measured 0.045 without METIS and 0.075
+/// with it, whose random numbers differ between C libraries; a frame without
+/// indirect light is 1 apart, and one of the same scheme 0.
+const SCHEMES_DIFFER_BY: std::ops::Range<f64> = 0.005..0.1;
 
 const PAPER: [&str; 2] = ["--scheme", "paper"];
 

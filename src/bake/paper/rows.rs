@@ -17,6 +17,11 @@ const RECEIVERS_PER_TASK: usize = 256;
 /// The largest coefficient as it is stored.
 const LARGEST: f32 = 127.0;
 
+/// Steps that are tried, each smaller than the one before by this factor: down
+/// to a 128th of the largest.
+const STEPS: usize = 15;
+const STEP_RATIO: f32 = std::f32::consts::FRAC_1_SQRT_2;
+
 /// The largest coefficients of one receiver, not quantised yet: (function, c),
 /// functions ascending.
 pub(super) type Coefficients = Vec<(u32, f32)>;
@@ -38,30 +43,24 @@ pub(crate) struct PaperRows {
 }
 
 impl PaperRows {
-    /// Quantises the rows of all slots with the step that makes the largest
-    /// coefficient of the scene 127, and leaves out what becomes zero ("all
-    /// elements that are quantized to zero", section 3.3).
-    pub(super) fn quantised(
-        function_count: usize,
-        rows: &[Coefficients],
-        alone: Vec<bool>,
-    ) -> Self {
-        let sizes = rows.iter().flatten().map(|&(_, c)| c.abs());
-        let largest = sizes.fold(0.0, |max, size| if size > max { size } else { max });
+    /// Quantises the rows of all slots and leaves out what becomes zero ("all
+    /// elements that are quantized to zero", section 3.3); `constant` is S^T 1.
+    pub(super) fn quantised(rows: &[Coefficients], constant: &[f32], alone: Vec<bool>) -> Self {
+        let step = best_step(rows, constant);
         let mut table = Self {
-            function_count,
+            function_count: constant.len(),
             offsets: vec![0],
-            functions: Indices::for_table(function_count),
+            functions: Indices::for_table(constant.len()),
             coefficients: Vec::new(),
-            step: largest / LARGEST,
+            step,
             alone,
         };
         for row in rows {
-            for &(function, c) in row.iter().filter(|&&(_, c)| c != 0.0) {
-                let quantised = (c / table.step).round().clamp(-LARGEST, LARGEST) as i8;
-                if quantised != 0 {
+            for &(function, c) in row {
+                let steps = steps_of(c, step);
+                if steps != 0.0 {
                     table.functions.extend(&[function]);
-                    table.coefficients.push(quantised);
+                    table.coefficients.push(steps as i8);
                 }
             }
             table.offsets.push(table.coefficients.len() as u32);
@@ -156,4 +155,44 @@ impl PaperRows {
     pub(in crate::bake) fn coefficients_per_vertex(&self) -> f64 {
         self.coefficients.len() as f64 / self.alone.len().max(1) as f64
     }
+}
+
+/// c as a whole number of steps, clipped to 8 bits.
+fn steps_of(c: f32, step: f32) -> f32 {
+    if step > 0.0 {
+        (c / step).round().clamp(-LARGEST, LARGEST)
+    } else {
+        0.0
+    }
+}
+
+/// The step, from the one that makes the largest element 127 downwards, with
+/// which the table answers constant light most nearly as its elements do before
+/// they are quantised; 0 where there is none. Of equally good ones the largest.
+fn best_step(rows: &[Coefficients], constant: &[f32]) -> f32 {
+    let sizes = rows.iter().flatten().map(|&(_, c)| c.abs());
+    let largest = sizes.fold(0.0, |max, size| if size > max { size } else { max });
+    let mut steps = vec![largest / LARGEST];
+    for candidate in 1..STEPS {
+        steps.push(steps[candidate - 1] * STEP_RATIO);
+    }
+    let error = |&step: &f32| -> f64 {
+        let of_row = |row: &Coefficients| {
+            let terms = row.iter().map(|&(function, c)| {
+                f64::from(c - steps_of(c, step) * step) * f64::from(constant[function as usize])
+            });
+            let sum: f64 = terms.sum();
+            sum * sum
+        };
+        rows.iter().map(of_row).sum()
+    };
+    // Each sum runs over the rows in their order, whoever makes it.
+    let errors: Vec<f64> = steps.par_iter().map(error).collect();
+    let mut best = 0;
+    for candidate in 1..STEPS {
+        if errors[candidate] < errors[best] {
+            best = candidate;
+        }
+    }
+    steps[best]
 }

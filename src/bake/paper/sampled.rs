@@ -50,7 +50,7 @@ pub(in crate::bake) fn sampled_rows(
         .collect();
     let (rows, sky_rows): (Vec<Vec<Coefficients>>, Vec<GroupRows>) =
         found.into_iter().map(|f| (f.rows, f.sky)).unzip();
-    let rows = PaperRows::quantised(basis.function_count(), &rows.concat(), alone);
+    let rows = PaperRows::quantised(&rows.concat(), &basis.constant(run.level), alone);
     rows.check(basis.slot_count())
         .expect("rows that were just made fit each other");
     let sky = sky.finish(&stats, &sky_rows);

@@ -80,6 +80,12 @@ fn dense_rows(surface: &Surface, bake: &Bake) -> Vec<Vec<f64>> {
     rows
 }
 
+/// How far a stored element may be from c: half a step, and what 127 steps do
+/// not reach.
+fn slack(c: f64, step: f64) -> f64 {
+    (c.abs() - 127.0 * step).max(0.5 * step)
+}
+
 /// Light that differs from slot to slot and channel to channel.
 fn uneven_light(slot_count: usize) -> Vec<[f32; 3]> {
     (0..slot_count as u32)
@@ -95,7 +101,7 @@ fn the_table_answers_as_the_dense_product_within_half_a_step_an_element() {
     let radiosity = uneven_light(bake.basis.slot_count());
     let light = bake.basis.project_rgb(Level::Scalar, &radiosity);
     let answer = bake.apply(Level::detect(), &radiosity);
-    let half_step = 0.5 * f64::from(paper_rows(&bake).step);
+    let step = f64::from(paper_rows(&bake).step);
     let (mut lit, mut closest) = (0, f64::INFINITY);
     for (slot, row) in dense.iter().enumerate() {
         for channel in 0..3 {
@@ -104,7 +110,7 @@ fn the_table_answers_as_the_dense_product_within_half_a_step_an_element() {
             // Functions of partitions that send nothing are not in the list.
             let may_be_off: f64 = terms
                 .filter(|&(&c, _)| c != 0.0)
-                .map(|(c, b)| (half_step + ROUNDING * c.abs()) * f64::from(b[channel]).abs())
+                .map(|(c, b)| (slack(*c, step) + ROUNDING * c.abs()) * f64::from(b[channel]).abs())
                 .sum();
             let off = (f64::from(answer[slot][channel]) - exact).abs();
             assert!(
@@ -129,14 +135,14 @@ fn the_largest_elements_of_every_vertex_are_kept() {
     let scene = room_with_blocks(false, 0.25, 64);
     let (surface, bake) = baked(&scene, KEPT as u32, Level::detect());
     let rows = paper_rows(&bake);
-    let half_step = 0.5 * f64::from(rows.step);
+    let step = f64::from(rows.step);
     let mut full = 0;
     for (slot, row) in dense_rows(&surface, &bake).iter().enumerate() {
         let list = stored(rows, slot);
         assert!(list.len() <= KEPT, "slot {slot} keeps {}", list.len());
-        let slack = half_step + ROUNDING;
         assert!(
-            list.iter().all(|&(k, c)| (c - row[k]).abs() <= slack),
+            list.iter()
+                .all(|&(k, c)| (c - row[k]).abs() <= slack(row[k], step) + ROUNDING),
             "slot {slot}: an element is more than half a step off"
         );
         let mut dropped = row.clone();
@@ -148,7 +154,7 @@ fn the_largest_elements_of_every_vertex_are_kept() {
         let bound = if list.len() == KEPT {
             smallest
         } else {
-            half_step
+            0.5 * step
         };
         assert!(
             largest <= bound + ROUNDING,
@@ -166,22 +172,37 @@ fn one_step_serves_the_whole_scene() {
         vec![(1, 0.0049), (2, 0.0051)],
         Vec::new(),
     ];
-    let table = PaperRows::quantised(4, &rows, vec![false, false, true]);
+    let table = PaperRows::quantised(&rows, &[1.0, 0.0, 0.0, 1.0], vec![false, false, true]);
     // The largest is 127 steps; 0.49 of a step is zero, 0.51 is one.
     assert_eq!(table.coefficients, [50, -127, 1]);
     assert_eq!(table.functions, Indices::Narrow(vec![0, 3, 2]));
     assert_eq!(table.offsets, [0, 2, 3, 3]);
     assert_eq!(table.step, 1.27 / 127.0);
     assert_eq!(table.check(3), Ok(()));
-    assert_eq!(table.without_senders(), [2..3]);
-    let dark = PaperRows::quantised(4, &[Vec::new()], vec![false]);
+    let alone: Vec<usize> = table.without_senders().into_iter().flatten().collect();
+    assert_eq!(alone, [2]);
+    let dark = PaperRows::quantised(&[Vec::new()], &[1.0; 4], vec![false]);
     assert_eq!((dark.step, dark.check(1)), (0.0, Ok(())));
+}
+
+/// Two large elements that answer no constant light are clipped for the sake of
+/// the small ones that do.
+#[test]
+fn the_step_serves_constant_light() {
+    let small: Vec<(u32, f32)> = (1..60).map(|k| (k, 0.003 + 0.0001 * k as f32)).collect();
+    let rows = [vec![(0, 12.7)], small.clone(), vec![(0, -12.7)]];
+    let mut constant = vec![1.0; 60];
+    constant[0] = 0.0;
+    let table = PaperRows::quantised(&rows, &constant, vec![false; 3]);
+    assert!(table.step < 0.005, "the step is {}", table.step);
+    assert_eq!((table.coefficients[0], table.coefficients[60]), (127, -127));
+    assert_eq!(table.functions.len(), 2 + small.len(), "nothing is zero");
 }
 
 #[test]
 fn lists_that_do_not_fit_are_named() {
     let rows = [vec![(0, 0.5), (3, -1.27)], vec![(1, 1.0)]];
-    let table = PaperRows::quantised(4, &rows, vec![false; 2]);
+    let table = PaperRows::quantised(&rows, &[1.0; 4], vec![false; 2]);
     let changes: [fn(&mut PaperRows); 8] = [
         |t| t.offsets[1] = 9,
         |t| t.offsets[0] = 1,
