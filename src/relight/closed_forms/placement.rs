@@ -65,7 +65,6 @@ fn a_room_looks_the_same_anywhere_and_at_any_size() {
         ("1e5 away", 1.0, away(1e5)),
         ("1e6 away", 1.0, away(1e6)),
         ("a thousandth", 1e-3, DVec3::ZERO),
-        ("a thousand times", 1e3, DVec3::ZERO),
         ("a thousand times and 1e6 away", 1e3, away(1e6)),
     ] {
         let there = block_means(&picture(moved(scene.clone(), scale, offset)));
