@@ -12,7 +12,7 @@ use crate::scene::sample_scenes::{lamp_facing_down, point_light, spot_facing_dow
 use crate::scene::{Bounces, Light};
 
 /// Form factors between patches: noise of some 200 rows and compression of a
-/// patch's step of brightness, against 1/12.
+/// patch's step of brightness, after averaging over a sixth of the sphere.
 const PATCHES: f64 = 0.02;
 
 /// Area of the mesh, file units.
@@ -79,8 +79,7 @@ fn a_hollow_sphere_is_lit_evenly_from_anywhere() {
 #[test]
 fn patches_of_a_sphere_see_each_other_by_their_area() {
     let axes = DVec3::AXES.into_iter().flat_map(|axis| [axis, -axis]);
-    // The nearest axis of six decides the patch, so that none is like another
-    // to the mesh, whose axes are the twelve of an icosahedron.
+    // The nearest of six directions decides the patch.
     let axes: Vec<DVec3> = axes.collect();
     let patch_of = |v: usize| {
         let toward = |k: &usize| SPHERE.position(v).dot(axes[*k]);
