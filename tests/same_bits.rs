@@ -18,7 +18,7 @@ const LEVELS: &[&str] = if cfg!(target_arch = "x86_64") {
 } else {
     &["scalar", "auto"]
 };
-const THREADS: [&str; 3] = ["1", "2", "3"];
+const THREADS: [&str; 4] = ["1", "2", "3", "8"];
 
 /// The digest that a render reports, and whether its bake was stored already.
 fn digest_and_cache(finished: &Finished) -> [String; 2] {

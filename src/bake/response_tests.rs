@@ -94,7 +94,10 @@ pub(super) fn stored_response(rows: &Rows, group: usize, constant: &[f32]) -> [f
 }
 
 fn largest(values: impl Iterator<Item = f64>) -> f64 {
-    values.map(f64::abs).fold(0.0, f64::max)
+    values.fold(0.0, |largest, value| {
+        assert!(!value.is_nan(), "a value is not a number");
+        f64::max(largest, value.abs())
+    })
 }
 
 #[test]
