@@ -12,11 +12,12 @@
 //! | `texture` | image maps: decoded once, filtered, looked up |
 //! | `scene` | what the user wrote: OBJ/MTL, TOML, lights, materials, camera |
 //! | `frame` | linear images, tone curves, comparison |
+//! | `report` | tables, plots and pictures as one folder of files, as bytes |
 //! | `surface` | tessellation, lighting vertices, sides, rays |
 //! | `bake` | partitions, spectral basis, sampled transfer, compressed rows, bake file |
 //! | `relight` | direct light, bounces, rasterizer, shading |
 //! | `reference` | path tracer: the truth that everything is measured against |
-//! | `output` | PNG and EXR files |
+//! | `output` | PNG and EXR files, folders of files |
 //!
 //! ```no_run
 //! use relume::{FrameSettings, Renderer, RunSettings, Scene};
@@ -35,6 +36,7 @@ mod maths;
 mod output;
 pub mod reference;
 mod relight;
+pub mod report;
 mod scene;
 mod simd;
 mod surface;
@@ -44,7 +46,10 @@ pub use bake::{BakeError, BakeForecast, BakeSettings, BakeStats, Progress, RunSe
 pub use frame::{
     Difference, EncodedImage, Image, ImageSizeError, SizeMismatch, compare, count_beyond,
 };
-pub use output::{LoadedImage, OutputError, Picture, check_format, read_image, write_picture};
+pub use output::{
+    LoadedImage, OutputError, Picture, check_format, encode_png, read_image, write_folder,
+    write_picture,
+};
 pub use relight::{
     BakeFigures, BounceError, COMPONENTS, Component, Frame, FrameSettings, ImageCounts,
     LightCounts, Outlook, RenderError, Renderer, SceneContents, SceneFigures, SkyView, Stages,
