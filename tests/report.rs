@@ -40,7 +40,7 @@ fn ball(width: u32, height: u32, shift: f64, tint: [f64; 3]) -> PngImage {
 
 fn series(label: &str, style: Style, scale: f64, power: f64) -> Series {
     let errors = [0.2, 0.1, 0.05, 0.025, 0.012, 0.006];
-    let points = errors.map(|error: f64| (error, scale * error.powf(-power)));
+    let points = errors.map(|error: f64| (error, scale * libm::pow(error, -power)));
     Series {
         label: label.to_owned(),
         points: points.to_vec(),
@@ -70,12 +70,12 @@ fn speed_plot() -> Plot {
             Mark {
                 label: "default".to_owned(),
                 x: 0.05,
-                y: 2.0 * 0.05_f64.powf(-0.7),
+                y: 2.0 * libm::pow(0.05, -0.7),
             },
             Mark {
                 label: "256 paths a pixel".to_owned(),
                 x: 0.006,
-                y: 0.9 * 0.006_f64.powf(-2.0),
+                y: 0.9 * libm::pow(0.006, -2.0),
             },
         ],
         series: all,
@@ -87,7 +87,7 @@ fn bounce_plot() -> Plot {
         label: label.to_owned(),
         points: (0..=100)
             .map(|step| 0.1 * f64::from(step))
-            .map(|bounces| (bounces, (1.0 - albedo.powf(bounces)) / (1.0 - albedo)))
+            .map(|bounces| (bounces, (1.0 - libm::pow(albedo, bounces)) / (1.0 - albedo)))
             .collect(),
         style: Style::Line,
     };
@@ -100,7 +100,7 @@ fn bounce_plot() -> Plot {
         marks: vec![Mark {
             label: "four bounces".to_owned(),
             x: 4.0,
-            y: (1.0 - 0.8_f64.powi(4)) / 0.2,
+            y: (1.0 - libm::pow(0.8, 4.0)) / 0.2,
         }],
     }
 }
@@ -283,7 +283,10 @@ fn the_same_report_gives_the_same_bytes() {
 #[test]
 fn the_json_holds_every_number() {
     let files = demonstration().files().unwrap();
-    let json = files.iter().find(|file| file.path == "report.json").unwrap();
+    let json = files
+        .iter()
+        .find(|file| file.path == "report.json")
+        .unwrap();
     let value: serde_json::Value = serde_json::from_slice(&json.bytes).unwrap();
     let table = &value["sections"][0]["blocks"][1];
     assert_eq!(table["kind"], "table");

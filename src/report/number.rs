@@ -33,10 +33,7 @@ pub(super) fn four_digits(value: f64) -> String {
         readable(value, 0)
     } else if (-4..9).contains(&exponent) {
         let text = readable(value, usize::try_from(3 - exponent).unwrap_or(0));
-        match text.contains('.') {
-            true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
-            false => text,
-        }
+        without_zeros(&text).to_owned()
     } else {
         let sign = if value < 0.0 { "−" } else { "" };
         format!("{sign}{}", scientific(&format!("{:.3e}", value.abs())))
@@ -81,7 +78,17 @@ pub(super) fn decimal_text(mantissa: i64, exponent: i32) -> String {
         let sign = if value < 0.0 { "−" } else { "" };
         let digits = usize::try_from(first - exponent).unwrap_or(0);
         let text = format!("{:.digits$e}", value.abs());
-        format!("{sign}{}", scientific(&text))
+        let (digits, power) = text.split_once('e').unwrap_or((&text, "0"));
+        let digits = without_zeros(digits);
+        format!("{sign}{}", scientific(&format!("{digits}e{power}")))
+    }
+}
+
+/// Without the zeros behind the point that say nothing.
+fn without_zeros(text: &str) -> &str {
+    match text.contains('.') {
+        true => text.trim_end_matches('0').trim_end_matches('.'),
+        false => text,
     }
 }
 
@@ -181,6 +188,8 @@ mod tests {
             (1, 6, "10⁶"),
             (15, 6, "1.5·10⁷"),
             (-2, -9, "−2·10⁻⁹"),
+            (10, 8, "10⁹"),
+            (1005, 6, "1.005·10⁹"),
             (0, 4, "0"),
             (10, -1, "1.0"),
         ] {

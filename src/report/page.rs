@@ -12,7 +12,7 @@ use super::{
 };
 
 /// Anchors that the page itself has.
-pub(super) const RESERVED_ANCHORS: [&str; 2] = ["contents", "summary"];
+pub(super) const RESERVED_ANCHORS: [&str; 3] = ["contents", "report", "summary"];
 
 const CSS: &str = include_str!("page.css");
 const SCRIPT: &str = include_str!("page.js");

@@ -5,8 +5,9 @@ use crate::report::Scale;
 use crate::report::number::{decimal, decimal_exponent, decimal_text};
 
 /// Numbers beyond this, and on a logarithmic axis those below its inverse, are
-/// not drawn: ranges and ticks around them would overflow.
-const LARGEST_DRAWN: f64 = 1e300;
+/// not drawn: the ratio of an axis' ends (10^220 with its margins) stays a
+/// number.
+const LARGEST_DRAWN: f64 = 1e100;
 /// Values closer together than this part of their size are drawn as one: ticks
 /// between them would need more digits than anyone reads.
 const SMALLEST_SPREAD: f64 = 1e-9;
@@ -230,12 +231,12 @@ mod tests {
         assert_eq!(log(&[1e-3, 1e3]), "0.001 0.01 0.1 1 10 100 1,000");
         assert_eq!(log(&[1e-9, 1e9]), "10⁻⁹ 10⁻⁶ 0.001 1 1,000 10⁶ 10⁹");
         assert_eq!(log(&[100.0, 130.0]), "100 105 110 115 120 125 130");
-        assert_eq!(log(&[3.0]), "2 5");
+        assert_eq!(log(&[3.0]), "2 3 4 5 6");
     }
 
     #[test]
     fn any_values_that_can_be_drawn_lie_on_an_axis_with_ticks() {
-        let sizes = [1e-300, 1e-9, 0.3, 1.0, 7.7, 1e6 + 1e-9, 1e6, 1e9, 1e300];
+        let sizes = [1e-100, 1e-9, 0.3, 1.0, 7.7, 1e6 + 1e-9, 1e6, 1e9, 1e100];
         for scale in [Scale::Linear, Scale::Log] {
             let signs: &[f64] = match scale {
                 Scale::Linear => &[-1.0, 0.0, 1.0],
@@ -266,7 +267,7 @@ mod tests {
 
     #[test]
     fn what_has_no_place_is_known() {
-        for value in [f64::NAN, f64::INFINITY, -f64::INFINITY] {
+        for value in [f64::NAN, f64::INFINITY, -f64::INFINITY, 1e101] {
             assert!(!can_be_drawn(Scale::Linear, value) && !can_be_drawn(Scale::Log, value));
         }
         for value in [0.0, -1.0] {

@@ -2,7 +2,7 @@
 
 use super::axis::{Range, can_be_drawn};
 use super::placing::Rectangle;
-use crate::report::{Axis, Plot};
+use crate::report::{Axis, Plot, Scale};
 
 /// Height of the letters, units of the plot.
 pub(super) const FONT_SIZE: f64 = 13.0;
@@ -16,7 +16,7 @@ pub(super) const SWATCH: f64 = 30.0;
 /// Between two entries of the legend.
 const GAP: f64 = 18.0;
 
-/// Outer size of a plot and how many ticks its axes have space for.
+/// Outer size of a plot, without the margin of a file, and how many ticks its axes have space for.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Size {
     pub(super) width: f64,
@@ -37,7 +37,7 @@ pub(super) const WIDE: Size = Size {
 pub(super) const NARROW: Size = Size {
     width: 360.0,
     height: 360.0,
-    x_ticks: 4,
+    x_ticks: 5,
     y_ticks: 6,
 };
 
@@ -65,7 +65,7 @@ impl<'a> Layout<'a> {
         let places: Vec<(f64, f64)> = drawn(plot).collect();
         let xs = places.iter().map(|place| place.0);
         let ys = places.iter().map(|place| place.1);
-        let x = Range::of(plot.x.scale, xs, size.x_ticks);
+        let x = horizontal(plot.x.scale, xs, size);
         let y = Range::of(plot.y.scale, ys, size.y_ticks);
 
         let legend = legend(plot, size.width);
@@ -79,7 +79,7 @@ impl<'a> Layout<'a> {
         let area = Rectangle {
             left: widest + 12.0,
             // Legend, then the vertical axis' label.
-            top: legend_rows as f64 * ROW + ROW + 8.0,
+            top: legend_rows as f64 * ROW + ROW + 14.0,
             right: size.width - (0.5 * last_tick).max(10.0),
             // Ticks, then the horizontal axis' label.
             bottom: size.height - 2.0 * ROW - 6.0,
@@ -106,6 +106,21 @@ impl<'a> Layout<'a> {
     pub(super) fn down(&self, y: f64) -> f64 {
         self.area.bottom + self.y.place(y) * (self.area.top - self.area.bottom)
     }
+}
+
+/// An axis with as many ticks as have space beside each other.
+fn horizontal(scale: Scale, xs: impl Iterator<Item = f64> + Clone, size: Size) -> Range {
+    let range = |tick_count| Range::of(scale, xs.clone(), tick_count);
+    let fits = |range: &Range| {
+        let widths = range
+            .ticks
+            .iter()
+            .map(|tick| text_width(&tick.text) + 0.5 * GAP);
+        // The labels of the vertical axis take their part of the width.
+        widths.sum::<f64>() <= 0.85 * size.width
+    };
+    let fewer = (3..=size.x_ticks).rev().map(range);
+    fewer.into_iter().find(fits).unwrap_or_else(|| range(2))
 }
 
 /// About how wide a text is.

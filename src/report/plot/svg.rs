@@ -5,6 +5,7 @@ use maud::{Markup, html};
 use super::caption;
 use super::layout::{FONT_SIZE, Layout, ROW, SWATCH, cut, text_width};
 use super::placing::{Rectangle, place_label};
+use crate::maths::functions::{cos, sin};
 use crate::report::colours::SERIES_COLOURS;
 use crate::report::number::four_digits;
 use crate::report::{Series, Style};
@@ -15,6 +16,8 @@ const HALF_LETTER: f64 = 0.36 * FONT_SIZE;
 const MOST_SHOWN_POINTS: usize = 60;
 /// Distance of the places along a line that labels keep clear of.
 const LINE_SPACING: f64 = 8.0;
+/// Around a plot that is a file of its own.
+const FILE_MARGIN: f64 = 14.0;
 /// Radius of the ring around a marked point.
 const RING: f64 = 8.0;
 
@@ -23,26 +26,28 @@ pub(super) fn draw(layout: &Layout<'_>, style: Option<Markup>) -> Markup {
     let size = layout.size;
     let is_file = style.is_some();
     let name = text(&caption(layout.plot));
-    let extent = |length: f64| is_file.then(|| number(length));
+    let margin = if is_file { FILE_MARGIN } else { 0.0 };
+    let (width, height) = (size.width + 2.0 * margin, size.height + 2.0 * margin);
+    let (corner, width, height) = (number(-margin), number(width), number(height));
     html! {
-        svg .plot xmlns=[is_file.then_some("http://www.w3.org/2000/svg")]
-            viewBox={ "0 0 " (number(size.width)) " " (number(size.height)) }
-            width=[extent(size.width)] height=[extent(size.height)]
-            role="img" aria-label=(name)
-        {
-            @if let Some(style) = style {
-                title { (name) }
-                (style)
-                rect .ground width=(number(size.width)) height=(number(size.height)) {}
+            svg .plot xmlns=[is_file.then_some("http://www.w3.org/2000/svg")]
+                viewBox={ (corner) " " (corner) " " (width) " " (height) }
+                width=[is_file.then_some(&width)] height=[is_file.then_some(&height)]
+                role="img" aria-label=(name)
+            {
+                @if let Some(style) = style {
+                    title { (name) }
+                    (style)
+    rect .ground x=(corner) y=(corner) width=(width) height=(height) {}
+                }
+                (legend(layout))
+                (axes(layout))
+                @for (index, series) in layout.plot.series.iter().enumerate() {
+                    (draw_series(layout, index, series))
+                }
+                (marks(layout))
             }
-            (legend(layout))
-            (axes(layout))
-            @for (index, series) in layout.plot.series.iter().enumerate() {
-                (draw_series(layout, index, series))
-            }
-            (marks(layout))
         }
-    }
 }
 
 fn legend(layout: &Layout<'_>) -> Markup {
@@ -227,51 +232,39 @@ fn fill(series: usize) -> String {
     format!("fill:var(--series-{})", series % SERIES_COLOURS)
 }
 
-/// The outline of a series' points around a place. Nine shapes and eight
-/// colours: 72 series differ.
-fn shape(series: usize, (x, y): (f64, f64), radius: f64) -> String {
-    /// Corners on a circle: how many, and where the first is, parts of a turn
-    /// from the right; none: the circle itself.
-    const CORNERS: [(u32, f64); 9] = [
-        (0, 0.0),
-        (4, 0.125),
-        (3, 0.75),
-        (4, 0.0),
-        (3, 0.25),
-        (6, 0.0),
-        (3, 0.0),
-        (3, 0.5),
-        (5, 0.75),
-    ];
-    let (count, first) = CORNERS[series % CORNERS.len()];
-    if count == 0 {
-        let (left, side) = (number(x - radius), number(2.0 * radius));
-        let half = |side: &str| format!("a{radius} {radius} 0 0 1 {side} 0");
-        return format!(
-            "M{left} {}{}{}Z",
-            number(y),
-            half(&side),
-            half(&format!("-{side}"))
-        );
+/// The outline of a series' points around a place. Seven shapes and eight
+/// colours: 56 series differ.
+fn shape(series: usize, place: (f64, f64), radius: f64) -> String {
+    match series % 7 {
+        0 => circle(place, radius),
+        1 => polygon(place, 4, 0.125, |_| 1.2 * radius),
+        2 => polygon(place, 3, 0.75, |_| 1.35 * radius),
+        3 => polygon(place, 4, 0.0, |_| 1.3 * radius),
+        4 => polygon(place, 3, 0.25, |_| 1.35 * radius),
+        // A star: every second corner lies further in.
+        5 => polygon(place, 10, 0.75, |corner| match corner % 2 {
+            0 => 1.6 * radius,
+            _ => 0.65 * radius,
+        }),
+        _ => polygon(place, 3, 0.0, |_| 1.35 * radius),
     }
-    // Few corners enclose less, so they reach further out.
-    let radius = match count {
-        3 => 1.35 * radius,
-        4 => 1.2 * radius,
-        _ => radius,
-    };
-    let corners: Vec<(f64, f64)> = (0..count)
-        .map(|corner| {
-            let turn = first + f64::from(corner) / f64::from(count);
-            let angle = turn * std::f64::consts::TAU;
-            let (across, down) = (
-                crate::maths::functions::cos(angle),
-                crate::maths::functions::sin(angle),
-            );
-            (x + radius * across, y + radius * down)
-        })
-        .collect();
-    polyline(&corners) + "Z"
+}
+
+fn circle((x, y): (f64, f64), radius: f64) -> String {
+    let (left, y, side) = (number(x - radius), number(y), number(2.0 * radius));
+    let half = format!("a{radius} {radius} 0 0 1");
+    format!("M{left} {y}{half} {side} 0{half} -{side} 0Z")
+}
+
+/// Corners at equal angles, the first so many turns from the right, clockwise.
+fn polygon((x, y): (f64, f64), count: u32, first_turn: f64, radius: impl Fn(u32) -> f64) -> String {
+    let corners = (0..count).map(|corner| {
+        let turn = first_turn + f64::from(corner) / f64::from(count);
+        let angle = turn * std::f64::consts::TAU;
+        let radius = radius(corner);
+        (x + radius * cos(angle), y + radius * sin(angle))
+    });
+    polyline(&corners.collect::<Vec<_>>()) + "Z"
 }
 
 fn polyline(points: &[(f64, f64)]) -> String {
