@@ -34,8 +34,8 @@ fn ball(width: u32, height: u32, shift: f64, tint: [f64; 3]) -> PngImage {
     let mut bytes = Vec::new();
     PngEncoder::new(&mut bytes)
         .write_image(&levels, width, height, ExtendedColorType::Rgb8)
-        .unwrap();
-    PngImage::new(bytes).unwrap()
+        .expect("a small picture can be encoded");
+    PngImage::new(bytes).expect("the encoder writes PNG")
 }
 
 fn series(label: &str, style: Style, scale: f64, power: f64) -> Series {
