@@ -17,6 +17,7 @@
 //! | `bake` | partitions, spectral basis, sampled transfer, compressed rows, bake file |
 //! | `relight` | direct light, bounces, rasterizer, shading |
 //! | `reference` | path tracer: the truth that everything is measured against |
+//! | `measure` | how long frames take |
 //! | `output` | PNG and EXR files, folders of files |
 //!
 //! ```no_run
@@ -33,6 +34,7 @@
 mod bake;
 mod frame;
 mod maths;
+pub mod measure;
 mod output;
 pub mod reference;
 mod relight;
@@ -44,16 +46,17 @@ mod texture;
 
 pub use bake::{BakeError, BakeForecast, BakeSettings, BakeStats, Progress, RunSettings, Silent};
 pub use frame::{
-    Difference, EncodedImage, Image, ImageSizeError, SizeMismatch, compare, count_beyond,
+    Difference, EncodedImage, FlipMap, HdrFlip, Image, ImageSizeError, PIXELS_PER_DEGREE,
+    SizeMismatch, compare, count_beyond, flip, hdr_flip,
 };
 pub use output::{
     LoadedImage, OutputError, Picture, check_format, encode_png, read_image, write_folder,
     write_picture,
 };
 pub use relight::{
-    BakeFigures, BounceError, COMPONENTS, Component, Frame, FrameSettings, ImageCounts,
-    LightCounts, Outlook, RenderError, Renderer, SceneContents, SceneFigures, SkyView, Stages,
-    develop,
+    BakeFigures, BasisFunction, BasisFunctionError, BounceError, COMPONENTS, Component,
+    ComponentError, Frame, FrameSettings, ImageCounts, LightCounts, Outlook, RenderError, Renderer,
+    SceneContents, SceneFigures, SkyView, Stages, develop,
 };
 pub use scene::{
     Animation, Area, BakeKeys, Bounces, Camera, Directional, Environment, GoldenKeys, Light,

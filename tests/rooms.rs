@@ -23,6 +23,7 @@ const ROOMS: [&str; 11] = [
     "bake",
     "relight",
     "reference",
+    "measure",
     "output",
 ];
 /// The binary: `src/main.rs` and `src/cli/`.

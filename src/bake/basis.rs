@@ -266,6 +266,31 @@ impl Basis {
         coefficients
     }
 
+    /// S b for an RGB coefficient a function: a value a slot. Sums run over the
+    /// functions of a part in order, in single precision.
+    pub(crate) fn reconstruct_rgb(&self, coefficients: &[[f32; 3]]) -> Vec<[f32; 3]> {
+        assert_eq!(
+            coefficients.len(),
+            self.function_count(),
+            "one coefficient a function"
+        );
+        let value = |slot: usize| {
+            let (part, row) = self.row(slot as u32);
+            let own = &coefficients[self.function_range(part)];
+            row.iter().zip(own).fold([0.0; 3], |mut sum, (s, b)| {
+                for channel in 0..3 {
+                    sum[channel] += s * b[channel];
+                }
+                sum
+            })
+        };
+        (0..self.slot_count())
+            .into_par_iter()
+            .with_min_len(256)
+            .map(value)
+            .collect()
+    }
+
     /// d = S^T 1, the coefficients of constant light of 1.
     pub(crate) fn constant(&self, level: Level) -> Vec<f32> {
         self.project_rgb(level, &vec![[1.0; 3]; self.slot_count()])

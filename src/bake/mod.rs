@@ -45,7 +45,7 @@ mod witnesses;
 use rayon::prelude::*;
 use thiserror::Error;
 
-use basis::{Basis, BasisError};
+use basis::BasisError;
 use excitation::Excitation;
 use function_shares::functions_by_area;
 use neighbours::vertex_graph;
@@ -55,6 +55,7 @@ use rows::Rows;
 use sky::Sky;
 use witnesses::Witnesses;
 
+pub(crate) use basis::Basis;
 pub(crate) use cache::{Baked, CacheOutcome, load_or_bake, load_stored};
 pub use forecast::BakeForecast;
 pub(crate) use forecast::forecast;

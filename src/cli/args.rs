@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
-use relume::{Bounces, COMPONENTS, Component, SimdLevel};
+use relume::{Bounces, Component, ComponentError, SimdLevel};
 
 /// Relight OBJ scenes on a CPU, with bounced light.
 #[derive(Debug, Parser)]
@@ -21,10 +21,13 @@ pub(super) enum Command {
     Bake(Bake),
     /// Say what a scene asks for and what it will cost; bakes nothing.
     Info(Info),
-    /// Compare two images; exit code 1 if they differ by more than the limits.
+    /// Compare two images; exit code 1 if they differ by more than the limits
+    /// that are given, or at all if none is.
     Diff(Diff),
     /// Path-trace a scene: slow, and the truth to compare frames with.
     Reference(Reference),
+    /// Time relighting while a light moves; writes no picture.
+    Measure(Measure),
 }
 
 impl Command {
@@ -35,6 +38,7 @@ impl Command {
             Self::Info(arguments) => &arguments.scene.run,
             Self::Diff(arguments) => &arguments.run,
             Self::Reference(arguments) => &arguments.scene.run,
+            Self::Measure(arguments) => &arguments.scene.run,
         }
     }
 }
@@ -47,7 +51,10 @@ pub(super) struct Render {
     pub(super) view: ViewArguments,
     /// What to show.
     #[arg(long, default_value = "global", value_parser = parse_component, value_name = "NAME",
-          long_help = "What to show: global, direct, indirect, irradiance, albedo, normal or depth.")]
+          long_help = "What to show: global, direct, indirect, irradiance, albedo, normal, depth, \
+                       approximated-direct (direct light as the basis has it), partitions (of the \
+                       basis), basis:K (its function K, from 0) or basis:P.K (function K of \
+                       partition P).")]
     pub(super) component: Component,
     /// How indirect light is read at pixels: from the vertices.
     #[arg(long, default_value = "standard", value_parser = ["standard"], value_name = "NAME")]
@@ -73,14 +80,19 @@ pub(super) struct Diff {
     /// The image to judge, of the same format and size.
     pub(super) candidate: PathBuf,
     /// Largest difference of a channel that passes: levels of 255 for PNG,
-    /// linear values for EXR.
-    #[arg(long, default_value_t = 0.0, value_name = "X", value_parser = parse_limit,
+    /// linear values for EXR [default: 0].
+    #[arg(long, value_name = "X", value_parser = parse_limit, allow_negative_numbers = true)]
+    pub(super) max_channel_difference: Option<f64>,
+    /// Pixels that may differ by more than that: a number, or a share as in
+    /// 0.5% [default: 0].
+    #[arg(long, value_name = "N|P%", value_parser = parse_pixel_limit,
           allow_negative_numbers = true)]
-    pub(super) max_channel_difference: f64,
-    /// Pixels that may differ by more than that: a number, or a share as in 0.5%.
-    #[arg(long, default_value = "0", value_name = "N|P%", value_parser = parse_pixel_limit,
-          allow_negative_numbers = true)]
-    pub(super) max_differing_pixels: PixelLimit,
+    pub(super) max_differing_pixels: Option<PixelLimit>,
+    /// Largest mean FLIP (the difference that an observer sees, 0 to 1) that
+    /// passes [default: 0]. Alone, it is the only limit; beside one on channels
+    /// or pixels, both must hold.
+    #[arg(long, value_name = "X", value_parser = parse_limit, allow_negative_numbers = true)]
+    pub(super) max_flip: Option<f64>,
     #[command(flatten)]
     pub(super) run: Run,
 }
@@ -102,6 +114,18 @@ pub(super) struct Reference {
     pub(super) component: String,
 }
 
+#[derive(Debug, Args)]
+pub(super) struct Measure {
+    #[command(flatten)]
+    pub(super) scene: SceneArguments,
+    #[command(flatten)]
+    pub(super) frame: FrameArguments,
+    /// Frames to time: in each, the first point, spot or area light stands
+    /// elsewhere on a circle of 5 % of the extent about its place.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MOST_FRAMES))]
+    pub(super) frames: Option<u32>,
+}
+
 /// A scene, as its file and the command line have it.
 #[derive(Debug, Args)]
 pub(super) struct SceneArguments {
@@ -121,6 +145,13 @@ pub(super) struct ViewArguments {
     /// Where the picture goes (.png or .exr); repeatable.
     #[arg(short, long, value_name = "OUT", required = true)]
     pub(super) output: Vec<PathBuf>,
+    #[command(flatten)]
+    pub(super) frame: FrameArguments,
+}
+
+/// What of a frame the command line may change.
+#[derive(Debug, Args)]
+pub(super) struct FrameArguments {
     /// Size of the picture in pixels, instead of the scene's.
     #[arg(long, value_parser = parse_size, value_name = "WxH")]
     pub(super) size: Option<Size>,
@@ -164,6 +195,8 @@ pub(super) enum PixelLimit {
 
 /// Longest side of a picture, pixels.
 const LARGEST_SIDE: u32 = 16_384;
+/// Most frames to time.
+const MOST_FRAMES: i64 = 100_000;
 /// Most bounces by number, as in the scene file.
 const MOST_BOUNCES: u32 = 10_000;
 
@@ -194,12 +227,8 @@ fn parse_bounces(text: &str) -> Result<Bounces, String> {
     }
 }
 
-fn parse_component(text: &str) -> Result<Component, String> {
-    let found = COMPONENTS.iter().find(|(name, _)| *name == text);
-    found.map(|&(_, component)| component).ok_or_else(|| {
-        let names: Vec<&str> = COMPONENTS.iter().map(|&(name, _)| name).collect();
-        format!("components are {}", names.join(", "))
-    })
+fn parse_component(text: &str) -> Result<Component, ComponentError> {
+    text.parse()
 }
 
 fn parse_simd(text: &str) -> Result<SimdLevel, String> {

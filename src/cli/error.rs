@@ -2,6 +2,7 @@
 
 use std::error::Error;
 
+use relume::measure::{MeasureError, NoLocalLight};
 use relume::{BakeError, OutputError, RenderError, SceneError, SizeMismatch};
 use thiserror::Error;
 
@@ -19,6 +20,8 @@ pub(super) enum CliError {
     #[error(transparent)]
     Bake(#[from] BakeError),
     #[error(transparent)]
+    NoLocalLight(#[from] NoLocalLight),
+    #[error(transparent)]
     Sizes(#[from] SizeMismatch),
     #[error("standard output could not be written; the files were")]
     StandardOutput(#[source] std::io::Error),
@@ -26,6 +29,15 @@ pub(super) enum CliError {
     Usage(String),
     #[error("stopped; nothing was written")]
     Stopped,
+}
+
+impl From<MeasureError> for CliError {
+    fn from(error: MeasureError) -> Self {
+        match error {
+            MeasureError::NoLocalLight(error) => error.into(),
+            MeasureError::Render(error) => error.into(),
+        }
+    }
 }
 
 impl CliError {
@@ -41,7 +53,11 @@ impl CliError {
                 signals::exit_code().unwrap_or(1)
             }
             Self::Sizes(_) => 1,
-            Self::Scene(_) | Self::Render(_) | Self::Bake(_) | Self::Usage(_) => 2,
+            Self::Scene(_)
+            | Self::Render(_)
+            | Self::Bake(_)
+            | Self::NoLocalLight(_)
+            | Self::Usage(_) => 2,
         }
     }
 

@@ -6,6 +6,7 @@ mod bake;
 mod diff;
 mod error;
 mod info;
+mod measure;
 mod reference;
 mod render;
 mod report;
@@ -46,5 +47,6 @@ fn execute(command: &Command) -> Result<Report, CliError> {
         Command::Info(arguments) => info::execute(arguments),
         Command::Diff(arguments) => diff::execute(arguments),
         Command::Reference(arguments) => reference::execute(arguments),
+        Command::Measure(arguments) => measure::execute(arguments),
     }
 }

@@ -6,14 +6,14 @@ use serde_json::json;
 
 use super::args::Reference;
 use super::error::CliError;
-use super::render::{apply_view, check_outputs, digest};
+use super::render::{apply_frame, check_outputs, digest};
 use super::report::{Report, stage_times};
 use super::run::{load_scene, with_run};
 
 pub(super) fn execute(arguments: &Reference) -> Result<Report, CliError> {
     check_outputs(&arguments.view)?;
     let mut scene = load_scene(&arguments.scene)?;
-    apply_view(&mut scene, &arguments.view);
+    apply_frame(&mut scene, &arguments.view.frame);
     let direct_alone = arguments.component == "direct";
     let settings = ReferenceSettings {
         camera: scene.camera,

@@ -8,7 +8,7 @@ use relume::{
 };
 use serde_json::json;
 
-use super::args::{Render, ViewArguments};
+use super::args::{FrameArguments, Render, ViewArguments};
 use super::error::CliError;
 use super::info::announce_bake;
 use super::report::{Report, add_figures, figures_text, stage_times};
@@ -17,7 +17,7 @@ use super::run::{cache_folder, load_scene, warn, with_run};
 pub(super) fn execute(arguments: &Render) -> Result<Report, CliError> {
     check_outputs(&arguments.view)?;
     let mut scene = load_scene(&arguments.scene)?;
-    apply_view(&mut scene, &arguments.view);
+    apply_frame(&mut scene, &arguments.view.frame);
     let (exposure, tone) = (scene.render.exposure, scene.render.tone);
     let settings = FrameSettings {
         component: arguments.component,
@@ -73,11 +73,11 @@ fn check_folder(path: &Path) -> Result<(), OutputError> {
 }
 
 /// Size and bounces of the command line, where given.
-pub(super) fn apply_view(scene: &mut Scene, view: &ViewArguments) {
-    if let Some(size) = view.size {
+pub(super) fn apply_frame(scene: &mut Scene, frame: &FrameArguments) {
+    if let Some(size) = frame.size {
         scene.camera.size = size.0;
     }
-    if let Some(bounces) = view.bounces {
+    if let Some(bounces) = frame.bounces {
         scene.render.bounces = bounces;
     }
 }
@@ -106,9 +106,13 @@ fn report(arguments: &Render, renderer: &Renderer, frame: &Frame, digest: &str) 
         text.push_str(&format!("{}: {} x {}\n", path.display(), size[0], size[1]));
     }
     text.push_str(&figures_text(&figures));
-    if frame.clamped_pixels > 0 && arguments.component != Component::Direct {
+    if frame.clamped_pixels > 0 {
+        let light = match arguments.component {
+            Component::ApproximatedDirect => "approximated direct",
+            _ => "indirect",
+        };
         text.push_str(&format!(
-            "\n{} pixels had indirect light below zero",
+            "\n{} pixels had {light} light below zero",
             frame.clamped_pixels
         ));
     }

@@ -36,7 +36,7 @@ impl Report {
 pub(super) fn stage_times(stages: &[&Stages]) -> Value {
     let mut object = Map::new();
     for &(name, time_ms) in stages.iter().flat_map(|s| s.times_ms()) {
-        object.insert(name.replace(' ', "_"), rounded(time_ms));
+        object.insert(stage_key(name), rounded(time_ms));
     }
     object.insert(
         "total".to_owned(),
@@ -45,8 +45,13 @@ pub(super) fn stage_times(stages: &[&Stages]) -> Value {
     Value::Object(object)
 }
 
+/// A stage as a key of JSON.
+pub(super) fn stage_key(stage: &str) -> String {
+    stage.replace(' ', "_")
+}
+
 /// Microseconds are as fine as clocks are worth printing.
-fn rounded(time_ms: f64) -> Value {
+pub(super) fn rounded(time_ms: f64) -> Value {
     json!((time_ms * 1e3).round() / 1e3)
 }
 

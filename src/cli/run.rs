@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use indicatif::{ProgressBar, ProgressStyle};
-use relume::{Override, Progress, RunSettings, Scene};
+use relume::{Override, Progress, RunSettings, Scene, ThreadPool};
 
 use super::args::{Run, SceneArguments};
 use super::error::CliError;
@@ -54,12 +54,7 @@ pub(super) fn with_run<T: Send>(
     job: impl FnOnce(&RunSettings) -> Result<T, CliError> + Send,
 ) -> Result<T, CliError> {
     signals::listen();
-    let threads = arguments.threads.map_or(0, usize::from);
-    let pool = relume::thread_pool(threads).map_err(|error| {
-        CliError::Usage(format!(
-            "cannot start {threads} threads: {error}; ask for fewer"
-        ))
-    })?;
+    let pool = thread_pool(arguments)?;
     let bar = Bar::new();
     let result = pool.install(|| {
         job(&RunSettings {
@@ -69,6 +64,16 @@ pub(super) fn with_run<T: Send>(
     });
     bar.clear();
     result
+}
+
+/// The threads that the arguments ask for.
+pub(super) fn thread_pool(arguments: &Run) -> Result<ThreadPool, CliError> {
+    let threads = arguments.threads.map_or(0, usize::from);
+    relume::thread_pool(threads).map_err(|error| {
+        CliError::Usage(format!(
+            "cannot start {threads} threads: {error}; ask for fewer"
+        ))
+    })
 }
 
 /// Reads the scene with the command line's changes and says its warnings.

@@ -72,7 +72,7 @@ pub(crate) fn largest_channel_difference(expected: Vec3, actual: Vec3) -> f32 {
     crate::scene::max_component((actual - expected).abs())
 }
 
-fn check_sizes(reference: &Image, candidate: &Image) -> Result<(), SizeMismatch> {
+pub(super) fn check_sizes(reference: &Image, candidate: &Image) -> Result<(), SizeMismatch> {
     let size = |image: &Image| [image.width(), image.height()];
     if size(reference) == size(candidate) {
         return Ok(());

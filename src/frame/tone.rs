@@ -37,6 +37,14 @@ impl EncodedImage {
         &self.bytes
     }
 
+    /// The levels as an image of numbers 0 to 255, as they are read from a file.
+    pub fn levels(&self) -> Image {
+        let (pixels, _) = self.bytes.as_chunks::<3>();
+        let pixels = pixels.iter().map(|&rgb| Vec3::from(rgb.map(f32::from)));
+        Image::new(self.width, self.height, pixels.collect())
+            .expect("three bytes a pixel were written")
+    }
+
     /// Pixels in which a channel was not a number; such a channel is 0 here.
     pub fn undefined_pixels(&self) -> u64 {
         self.undefined_pixels
@@ -182,7 +190,12 @@ fn round_up(x: f64) -> f32 {
 
 /// Every channel of `image`, taken as sRGB levels 0..=255, as a linear value.
 pub(crate) fn decode_levels(levels: &Image) -> Image {
-    levels.map(|pixel| Vec3::from_array(pixel.to_array().map(decode_level)))
+    levels.map(decode_levels_of)
+}
+
+/// The channels of a pixel, taken as sRGB levels 0..=255, as linear values.
+pub(super) fn decode_levels_of(pixel: Vec3) -> Vec3 {
+    Vec3::from_array(pixel.to_array().map(decode_level))
 }
 
 #[cfg(test)]

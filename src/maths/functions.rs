@@ -39,6 +39,16 @@ pub(crate) fn exp2(x: f64) -> f64 {
     libm::exp2(x)
 }
 
+/// Logarithm to the base 2.
+pub(crate) fn log2(x: f64) -> f64 {
+    libm::log2(x)
+}
+
+/// Cube root.
+pub(crate) fn cbrt(x: f64) -> f64 {
+    libm::cbrt(x)
+}
+
 /// `x` to the power of `y`.
 pub(crate) fn pow(x: f64, y: f64) -> f64 {
     libm::pow(x, y)

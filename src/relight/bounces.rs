@@ -57,24 +57,33 @@ impl Transport<'_> {
         albedo: &[Vec3],
         bounces: Bounces,
     ) -> Result<Vec<Vec3>, BounceError> {
-        let basis = self.bake.basis();
-        let in_slots = |values: &[Vec3]| -> Vec<[f32; 3]> {
-            basis
-                .vertex_of_slot()
-                .iter()
-                .map(|&v| values[v as usize].to_array())
-                .collect()
-        };
-        let (source, albedo) = (in_slots(source), in_slots(albedo));
+        let (source, albedo) = (self.in_slots(source), self.in_slots(albedo));
         let irradiance = match bounces {
             Bounces::Count(count) => self.count(&source, &albedo, count),
             Bounces::All => self.all(&source, &albedo)?,
         };
-        let mut at_vertices = vec![Vec3::ZERO; irradiance.len()];
-        for (&vertex, &e) in basis.vertex_of_slot().iter().zip(&irradiance) {
-            at_vertices[vertex as usize] = Vec3::from_array(e);
+        Ok(self.at_vertices(&irradiance))
+    }
+
+    /// S S^T B at every vertex: what projection on the basis leaves of a field.
+    /// It may be negative where B is not.
+    pub(crate) fn projected(&self, radiosity: &[Vec3]) -> Vec<Vec3> {
+        let basis = self.bake.basis();
+        let light = basis.project_rgb(self.level, &self.in_slots(radiosity));
+        self.at_vertices(&basis.reconstruct_rgb(&light))
+    }
+
+    fn in_slots(&self, values: &[Vec3]) -> Vec<[f32; 3]> {
+        let vertices = self.bake.basis().vertex_of_slot().iter();
+        vertices.map(|&v| values[v as usize].to_array()).collect()
+    }
+
+    fn at_vertices(&self, in_slots: &[[f32; 3]]) -> Vec<Vec3> {
+        let mut values = vec![Vec3::ZERO; in_slots.len()];
+        for (&vertex, &value) in self.bake.basis().vertex_of_slot().iter().zip(in_slots) {
+            values[vertex as usize] = Vec3::from_array(value);
         }
-        Ok(at_vertices)
+        values
     }
 
     fn count(&self, source: &[[f32; 3]], albedo: &[[f32; 3]], count: u32) -> Vec<[f32; 3]> {

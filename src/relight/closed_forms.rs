@@ -9,6 +9,7 @@
 //! | `direct_flux` | the light that a plane catches |
 //! | `placement` | rooms far away, tiny and huge |
 //! | `kept` | incremental frames have the bits of fresh ones |
+//! | `basis` | direct light after projection, partitions and functions in colours |
 //! | `borders` | partitions cannot be seen |
 //! | `area` | rectangles, spots and parallel light on planes |
 //! | `emitters` | walls that glow, lamps of triangles, ten thousand of them |
@@ -19,6 +20,7 @@
 //! | `finite` | what has no meaning makes no frame that has none |
 
 mod area;
+mod basis;
 mod borders;
 mod direct_flux;
 mod emitters;

@@ -6,6 +6,7 @@
 //! direct light at vertices -> bounces -> indirect irradiance a vertex
 //! camera -> rasterizer -> direct light a pixel -> shade
 
+mod basis_view;
 mod bounces;
 #[cfg(test)]
 mod closed_forms;
@@ -15,14 +16,16 @@ mod geometry;
 mod kept;
 mod outlook;
 mod paint;
+mod palette;
 mod raster;
 mod reach;
 mod renderer;
 mod shade;
 mod stages;
 
+pub use basis_view::BasisFunctionError;
 pub use bounces::BounceError;
-pub use component::{COMPONENTS, Component};
+pub use component::{BasisFunction, COMPONENTS, Component, ComponentError};
 pub use outlook::{ImageCounts, LightCounts, Outlook, SceneContents, SkyView};
 pub use renderer::{
     BakeFigures, Frame, FrameSettings, RenderError, Renderer, SceneFigures, develop,

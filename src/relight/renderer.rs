@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use glam::Vec3;
 use thiserror::Error;
 
+use super::basis_view::{BasisFunctionError, BasisView};
 use super::bounces::{BounceError, Transport};
 use super::colours::VertexColours;
 use super::component::Component;
@@ -29,6 +30,9 @@ pub enum RenderError {
     /// The bounces do not converge.
     #[error(transparent)]
     Bounces(#[from] BounceError),
+    /// The function of the basis to show does not exist.
+    #[error(transparent)]
+    Basis(#[from] BasisFunctionError),
     /// The job was stopped.
     #[error("the frame was stopped; nothing was written")]
     Cancelled,
@@ -63,6 +67,10 @@ impl FrameSettings {
         self.component.needs_indirect() && self.bounces != Bounces::Count(0)
     }
 
+    fn needs_direct_at_vertices(&self) -> bool {
+        self.needs_bounces() || self.component == Component::ApproximatedDirect
+    }
+
     /// The sky's direct light comes from the bake too.
     fn needs_sky(&self, lights: &PlacedLights) -> bool {
         self.component.needs_direct() && !lights.skies.is_empty()
@@ -76,7 +84,8 @@ pub struct Frame {
     pub component: Component,
     /// The component asked for, row 0 on top.
     pub image: Image,
-    /// Pixels whose indirect light was below zero and was set to it.
+    /// Pixels whose indirect (or approximated direct) light was below zero and
+    /// was set to it.
     pub clamped_pixels: u64,
     /// Lights whose light at the vertices was computed for this frame.
     pub computed_lights: usize,
@@ -85,11 +94,13 @@ pub struct Frame {
 }
 
 /// The 8-bit levels of a component: light is exposed (EV) and goes through the
-/// tone curve; albedo is a colour; normals are shown as 0.5 + 0.5 n and depth
+/// tone curve; albedo and pictures of the basis are colours; normals are shown as 0.5 + 0.5 n and depth
 /// from white (nearest) to black (farthest).
 pub fn develop(image: &Image, component: Component, exposure: f32, tone: Tone) -> EncodedImage {
     match component {
-        Component::Albedo => Development::Color.develop(image),
+        Component::Albedo | Component::Partitions | Component::Basis(_) => {
+            Development::Color.develop(image)
+        }
         Component::Normal => Development::Plain
             .develop(&image.map(|n| if n == Vec3::ZERO { n } else { n * 0.5 + 0.5 })),
         Component::Depth => Development::Plain.develop(&nearness(image)),
@@ -278,7 +289,8 @@ impl Renderer {
         let is_sky = |light: &Light| matches!(light.kind, LightKind::Environment(_));
         let has_sky = self.scene.lights.iter().any(is_sky);
         let needs_sky = settings.component.needs_direct() && has_sky;
-        self.baked.is_none() && (settings.needs_bounces() || needs_sky)
+        let needs_basis = settings.component.needs_basis();
+        self.baked.is_none() && (settings.needs_bounces() || needs_sky || needs_basis)
     }
 
     /// What the user should know about mesh and cache; each sentence once.
@@ -324,7 +336,14 @@ impl Renderer {
         let mut computed_lights = 0;
         let mut indirect = Vec::new();
         let mut sky = Vec::new();
-        if settings.needs_bounces() || settings.needs_sky(&lights) {
+        let mut approximated = Vec::new();
+        let mut basis = None;
+        if settings.component.needs_basis() {
+            self.bake(run)?;
+            let baked = self.baked.as_ref().expect("the frame has made its bake");
+            basis = BasisView::of(baked.bake.basis(), settings.component)?;
+        }
+        if settings.needs_direct_at_vertices() || settings.needs_sky(&lights) {
             self.bake(run)?;
             let baked = self.baked.as_ref().expect("the frame has made its bake");
             let (surface, kept) = (&self.surface, &mut self.kept);
@@ -335,13 +354,21 @@ impl Renderer {
                 sky = at_vertices.to_vec();
             }
         }
-        if settings.needs_bounces() {
+        if settings.needs_direct_at_vertices() {
             let (surface, kept) = (&self.surface, &mut self.kept);
             computed_lights = stages.time("direct at vertices", || {
                 kept.update(surface, run.level, &lights)
             });
             let (scene, colours) = (&self.scene, &mut self.colours);
             stages.time("colours at vertices", || colours.update(scene, surface));
+        }
+        if settings.component == Component::ApproximatedDirect {
+            approximated = stages.time("projection", || {
+                let source = self.reflected_direct(&self.vertex_albedo());
+                self.transport(run).projected(&source)
+            });
+        }
+        if settings.needs_bounces() {
             indirect = stages.time("bounces", || self.bounce(settings.bounces, run))?;
         }
         let view = View {
@@ -355,6 +382,8 @@ impl Renderer {
                 .clamp(1, RenderKeys::MOST_LIGHT_SAMPLES),
             sky: &sky,
             indirect: &indirect,
+            approximated: &approximated,
+            basis: basis.as_ref(),
             component: settings.component,
         };
         let picture = draw(&view, &mut stages, run.progress).ok_or(RenderError::Cancelled)?;
@@ -369,18 +398,30 @@ impl Renderer {
 
     /// Indirect irradiance at the vertices from the kept direct light.
     fn bounce(&self, bounces: Bounces, run: &RunSettings) -> Result<Vec<Vec3>, BounceError> {
+        let albedo = self.vertex_albedo();
+        let source = self.reflected_direct(&albedo);
+        self.transport(run).solve(&source, &albedo, bounces)
+    }
+
+    fn transport(&self, run: &RunSettings) -> Transport<'_> {
         let baked = self.baked.as_ref().expect("the frame has made its bake");
-        let albedo = self.colours.albedo(&self.scene, &self.surface);
-        let direct = self.kept.sum(self.surface.vertices.len());
-        let source: Vec<Vec3> = direct
-            .iter()
-            .zip(&albedo)
-            .map(|(e, rho)| *e * *rho)
-            .collect();
         Transport {
             bake: &baked.bake,
             level: run.level,
         }
-        .solve(&source, &albedo, bounces)
+    }
+
+    fn vertex_albedo(&self) -> Vec<Vec3> {
+        self.colours.albedo(&self.scene, &self.surface)
+    }
+
+    /// Radiosity of the vertices by the kept direct light, W/m2.
+    fn reflected_direct(&self, albedo: &[Vec3]) -> Vec<Vec3> {
+        let direct = self.kept.sum(self.surface.vertices.len());
+        direct
+            .iter()
+            .zip(albedo)
+            .map(|(e, rho)| *e * *rho)
+            .collect()
     }
 }

@@ -14,6 +14,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use glam::Vec3;
 use rayon::prelude::*;
 
+use super::basis_view::BasisView;
 use super::component::{Component, Shaded, shown};
 use super::geometry::Geometry;
 use super::paint::{Footprint, Paint};
@@ -52,6 +53,11 @@ pub(crate) struct View<'a> {
     pub(crate) sky: &'a [Vec3],
     /// Indirect irradiance at the vertices, W/m2; empty where not needed.
     pub(crate) indirect: &'a [Vec3],
+    /// Radiosity by direct light at the vertices as the basis has it, W/m2;
+    /// empty where not needed.
+    pub(crate) approximated: &'a [Vec3],
+    /// What is shown of the basis itself.
+    pub(crate) basis: Option<&'a BasisView>,
     pub(crate) component: Component,
 }
 
@@ -66,7 +72,8 @@ impl View<'_> {
     }
 }
 
-/// A linear picture, and how many of its pixels had indirect light below zero.
+/// A linear picture, and how many of its pixels had light from the basis below
+/// zero.
 pub(crate) struct Picture {
     pub(crate) image: Image,
     pub(crate) clamped_pixels: u64,
@@ -168,7 +175,7 @@ impl Shading<'_> {
         }
     }
 
-    /// The pixel's value, and whether indirect light was below zero there.
+    /// The pixel's value, and whether light from the basis was below zero there.
     fn pixel(&self, pixel: usize) -> (Vec3, bool) {
         match self.samples.pixel(pixel) {
             Some(samples) if self.edges[pixel] => self.pixel_of_surfaces(pixel, samples),
@@ -340,16 +347,31 @@ impl Shading<'_> {
         [albedo, emission]: [Vec3; 2],
     ) -> (Vec3, bool) {
         let view = self.view;
-        let (indirect, below_zero) = clamped(self.interpolated(fragment, view.indirect));
+        let (indirect, dark) = clamped(self.interpolated(fragment, view.indirect));
+        let (approximated, darker) = clamped(self.interpolated(fragment, view.approximated));
         let shaded = Shaded {
             direct: direct + self.interpolated(fragment, view.sky),
             indirect,
+            approximated,
             emission,
             albedo,
             normal: point.normal,
             depth: self.scene_depth(fragment),
+            basis: view
+                .basis
+                .map_or(Vec3::ZERO, |b| self.basis_colour(b, fragment, point)),
         };
-        (shown(view.component, &shaded), below_zero)
+        (shown(view.component, &shaded), dark || darker)
+    }
+
+    fn basis_colour(&self, basis: &BasisView, fragment: &Fragment, point: &SurfacePoint) -> Vec3 {
+        let surface = self.view.surface;
+        let corners = surface
+            .vertices
+            .of_triangle(fragment.triangle, fragment.front);
+        let to_eye = self.view.camera.eye.as_vec3() - point.position;
+        let facing = point.normal.dot(to_eye.normalize_or_zero());
+        basis.colour(corners, fragment.barycentrics, facing)
     }
 
     /// Distance along the view axis, scene units.

@@ -29,6 +29,12 @@ fn equal_images_pass_and_others_do_not() {
         let same = diff(&reference, &again, &[]);
         assert_eq!(same.exit_code, Some(0), "{kind}: {same:#?}");
         assert!(same.stdout.starts_with("same"), "{kind}: {same:#?}");
+        let measure = if kind == "png" {
+            "LDR-FLIP: mean 0.00000"
+        } else {
+            "HDR-FLIP: mean 0.00000"
+        };
+        assert!(same.stdout.contains(measure), "{kind}: {same:#?}");
         let different = diff(&reference, &other, &["--json"]);
         assert_eq!(different.exit_code, Some(1), "{kind}: {different:#?}");
         let report = different.json();
@@ -38,6 +44,11 @@ fn equal_images_pass_and_others_do_not() {
             (0.001..0.03).contains(&bias),
             "more light is a bias above 0: {report}"
         );
+        let flip = ["flip_mean", "flip_median", "flip_p95", "flip_max"]
+            .map(|key| report[key].as_f64().unwrap_or(f64::NAN));
+        let [mean, median, percentile_95, max] = flip;
+        assert!(0.0 < mean && mean < max && max < 0.2, "{report}");
+        assert!(median <= percentile_95 && percentile_95 <= max, "{report}");
     }
 }
 
@@ -83,6 +94,50 @@ fn limits_let_pass_exactly_what_they_say() {
             "{limit} {value}: {finished:#?}"
         );
     }
+}
+
+#[test]
+fn what_an_observer_sees_is_limited_alone_or_beside_levels() {
+    let folder = temporary_folder();
+    let reference = frame(folder.path(), "reference.png", &[]);
+    let brighter = ["--set", "light.lamp.intensity=[3.6,2.9,2.3]"];
+    let other = frame(folder.path(), "other.png", &brighter);
+    let report = diff(&reference, &other, &["--json"]).json();
+    let mean = report["flip_mean"].as_f64().unwrap_or_default();
+    assert!(mean > 0.0, "the pictures differ: {report}");
+    let (enough, too_little) = (mean.to_string(), (0.9 * mean).to_string());
+    let cases: [(&[&str], _); 9] = [
+        (&["--max-flip", &enough], 0),
+        (&["--max-flip", &too_little], 1),
+        (&["--max-flip", "0"], 1),
+        (
+            &["--max-flip", &enough, "--max-channel-difference", "255"],
+            0,
+        ),
+        (
+            &["--max-flip", &too_little, "--max-channel-difference", "255"],
+            1,
+        ),
+        (&["--max-flip", &enough, "--max-channel-difference", "0"], 1),
+        (
+            &["--max-flip", &too_little, "--max-differing-pixels", "100%"],
+            1,
+        ),
+        (&["--max-flip", &enough, "--max-differing-pixels", "0"], 1),
+        (&["--max-flip", "-1"], 2),
+    ];
+    for (limits, exit_code) in cases {
+        let finished = diff(&reference, &other, limits);
+        assert_eq!(
+            finished.exit_code,
+            Some(exit_code),
+            "{limits:?}: {finished:#?}"
+        );
+    }
+    let finished = diff(&reference, &reference, &["--max-flip", "0"]);
+    assert_eq!(finished.exit_code, Some(0), "{finished:#?}");
+    let of_threads = |count| diff(&reference, &other, &["--json", "--threads", count]).stdout;
+    assert_eq!(of_threads("1"), of_threads("3"));
 }
 
 #[test]

@@ -4,7 +4,7 @@
 use std::fs;
 use std::path::Path;
 
-use crate::program::{Finished, files_in, relume, run, scene, temporary_folder};
+use crate::program::{Finished, SMALL_BAKE, files_in, relume, run, scene, temporary_folder};
 
 /// Exit code of wrong usage and of scenes that cannot be understood.
 const USAGE: i32 = 2;
@@ -45,6 +45,9 @@ fn wrong_values_on_the_command_line() {
         USAGE,
         &["globl", "global", "irradiance"],
     );
+    let numbers = ["basis:0", "basis:3.0"];
+    refused(&["--component", "basis:low"], USAGE, &numbers);
+    refused(&["--component", "basis"], USAGE, &numbers);
     refused(&["--size", "320"], USAGE, &["320", "WxH", "320x240"]);
     refused(&["--size", "0x30"], USAGE, &["0x30", "1 to 16384"]);
     refused(&["--size", "20000x30"], USAGE, &["16384"]);
@@ -57,6 +60,30 @@ fn wrong_values_on_the_command_line() {
         &["--no-cache", "--cache-dir", "x"],
         USAGE,
         &["--no-cache", "--cache-dir"],
+    );
+}
+
+#[test]
+fn functions_that_the_basis_does_not_have() {
+    let small = |component: &'static str| {
+        let mut arguments = SMALL_BAKE.to_vec();
+        arguments.extend(["--no-cache", "--component", component]);
+        arguments
+    };
+    refused(
+        &small("basis:100000"),
+        USAGE,
+        &["basis:100000", "functions in", "partitions", "from 0 to"],
+    );
+    refused(
+        &small("basis:100000.0"),
+        USAGE,
+        &["basis:100000.0", "partitions, numbered from 0 to"],
+    );
+    refused(
+        &small("basis:0.100000"),
+        USAGE,
+        &["partition 0 of", "numbers from 0 to", "functions in all"],
     );
 }
 
@@ -116,6 +143,21 @@ fn a_command_that_lacks_something_says_what() {
         let said = finished.stderr.contains(word);
         assert!(said, "{arguments:?}: nothing says {word:?}: {finished:#?}");
     }
+}
+
+#[test]
+fn measuring_needs_frames_and_a_light_that_can_move() {
+    let path = scene("cornell");
+    let path = path.to_str().expect("the repository's path is UTF-8");
+    let without = run(&mut relume(&["measure", path]));
+    assert_ends(&without, USAGE, &["error: ", "--frames N"]);
+    let none = run(&mut relume(&["measure", path, "--frames", "0"]));
+    assert_ends(&none, USAGE, &["--frames", "1..=100000"]);
+    let day = scene("window").with_file_name("day.toml");
+    let far = run(relume(&["measure", "--frames", "2", "--no-cache"]).arg(day));
+    let words = ["error: ", "no local light", "[[light]]", "point"];
+    assert_ends(&far, USAGE, &words);
+    assert_eq!(far.stderr.matches("no local light").count(), 1, "{far:#?}");
 }
 
 /// Expects a refusal of a scene file with this text.

@@ -3,7 +3,9 @@
 
 use serde_json::Value;
 
-use crate::program::{relume, render_box_command, scene, succeed, temporary_folder};
+use crate::program::{
+    SMALL_BAKE, SMALL_FRAME, relume, render_box_command, scene, succeed, temporary_folder,
+};
 
 /// Keys that programs rely on.
 const RENDER_KEYS: [&str; 10] = [
@@ -96,6 +98,58 @@ fn a_person_reads_lines_and_hears_no_progress() {
             finished.stdout.contains(word),
             "nothing says {word:?}: {finished:#?}"
         );
+    }
+}
+
+/// `relume measure` of the small box.
+fn measure(arguments: &[&str]) -> std::process::Command {
+    let mut command = relume(&["measure"]);
+    command.arg(scene("cornell")).args(SMALL_BAKE);
+    command.args(SMALL_FRAME).arg("--no-cache").args(arguments);
+    command
+}
+
+#[test]
+fn measured_frames_have_medians_by_stage() {
+    let asked = ["--frames", "3", "--bounces", "2", "--threads", "2"];
+    let finished = succeed(measure(&asked).args(["--simd", "scalar", "--json"]));
+    assert_eq!(finished.stderr, "", "no terminal, no progress");
+    let object = finished.json();
+    assert_eq!(object["frames"], 3, "{object}");
+    assert_eq!(object["size"], serde_json::json!([40, 30]), "{object}");
+    assert_eq!(object["bounces"], 2, "{object}");
+    assert_eq!(object["threads"], 2, "{object}");
+    assert_eq!(object["simd"], "scalar", "{object}");
+    assert_eq!(object["light"], "lamp", "{object}");
+    assert!(object["vertices"].as_u64() > Some(500), "{object}");
+    let stages = ["direct_at_vertices", "bounces", "raster", "shade", "total"];
+    for figures in ["ms", "ms_5th_percentile", "ms_95th_percentile"] {
+        assert_keys(&object[figures], &stages);
+    }
+    let number = |value: &Value| value.as_f64().expect("a number");
+    let rate = number(&object["frames_per_second"]) * number(&object["ms"]["total"]);
+    // Both are rounded to a thousandth.
+    assert!((rate - 1e3).abs() < 10.0, "{rate} ms a second: {object}");
+    let [low, high] =
+        ["ms_5th_percentile", "ms_95th_percentile"].map(|p| number(&object[p]["total"]));
+    let median = number(&object["ms"]["total"]);
+    assert!(low <= median && median <= high, "{object}");
+}
+
+#[test]
+fn a_person_reads_a_table_of_times() {
+    let finished = succeed(&mut measure(&["--frames", "2", "--bounces", "all"]));
+    for word in [
+        "all bounces",
+        "median",
+        "5th %",
+        "95th %",
+        "shade",
+        "total",
+        "frames a second",
+    ] {
+        let said = finished.stdout.contains(word);
+        assert!(said, "nothing says {word:?}: {finished:#?}");
     }
 }
 

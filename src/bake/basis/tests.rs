@@ -90,6 +90,29 @@ fn a_function_projects_onto_itself() {
 }
 
 #[test]
+fn reconstruction_undoes_projection_of_what_the_basis_holds() {
+    let basis = basis_of(&sample_graphs::triangle_grid(30, 20), 300, 8);
+    let coefficients: Vec<[f32; 3]> = (0..basis.function_count())
+        .map(|k| [k as f32, 1.0 - k as f32, 0.5])
+        .collect();
+    let values = basis.reconstruct_rgb(&coefficients);
+    for (channel, values) in [0, 1, 2].map(|c| (c, values.iter().map(move |v| v[c]))) {
+        let scalars: Vec<f32> = coefficients.iter().map(|b| b[channel]).collect();
+        let by_vertex = reconstruct(&basis, &scalars);
+        let slots = basis.vertex_of_slot().iter();
+        assert!(slots.map(|&v| by_vertex[v as usize]).eq(values));
+    }
+    let projected = basis.project_rgb(Level::Scalar, &values);
+    for (found, wanted) in projected.iter().zip(&coefficients) {
+        let off = (0..3).map(|c| (found[c] - wanted[c]).abs());
+        assert!(
+            off.fold(0.0, f32::max) < 1e-4,
+            "{found:?} is not {wanted:?}"
+        );
+    }
+}
+
+#[test]
 fn the_number_of_threads_changes_no_bit() {
     let graph = sample_graphs::grid_with_hole(60);
     let build = || basis_of(&graph, 300, 16);
