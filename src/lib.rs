@@ -12,12 +12,13 @@
 //! | `texture` | image maps: decoded once, filtered, looked up |
 //! | `scene` | what the user wrote: OBJ/MTL, TOML, lights, materials, camera |
 //! | `frame` | linear images, tone curves, comparison |
+//! | `report` | tables, plots and pictures as one folder of files, as bytes |
 //! | `surface` | tessellation, lighting vertices, sides, rays |
 //! | `bake` | partitions, spectral basis, sampled transfer, compressed rows, bake file |
 //! | `relight` | direct light, bounces, rasterizer, shading |
 //! | `reference` | path tracer: the truth that everything is measured against |
 //! | `measure` | how long frames take |
-//! | `output` | PNG and EXR files |
+//! | `output` | PNG and EXR files, folders of files |
 //!
 //! ```no_run
 //! use relume::{FrameSettings, Renderer, RunSettings, Scene};
@@ -37,6 +38,7 @@ pub mod measure;
 mod output;
 pub mod reference;
 mod relight;
+pub mod report;
 mod scene;
 mod simd;
 mod surface;
@@ -50,7 +52,10 @@ pub use frame::{
     Difference, EncodedImage, FlipMap, HdrFlip, Image, ImageSizeError, PIXELS_PER_DEGREE,
     SizeMismatch, compare, count_beyond, flip, hdr_flip,
 };
-pub use output::{LoadedImage, OutputError, Picture, check_format, read_image, write_picture};
+pub use output::{
+    LoadedImage, OutputError, Picture, check_format, encode_png, read_image, write_folder,
+    write_picture,
+};
 pub use relight::{
     BakeFigures, BasisFunction, BasisFunctionError, BounceError, COMPONENTS, Component,
     ComponentError, Frame, FrameSettings, ImageCounts, LightCounts, Outlook, RenderError, Renderer,

@@ -60,6 +60,7 @@ use function_shares::functions_by_area;
 use graph::VertexGraph;
 use neighbours::vertex_graph;
 use partition::{Partition, PartitionSettings, partition};
+use places::Places;
 use rows::Rows;
 use sky::Sky;
 use test_lights::TestLights;
@@ -108,10 +109,10 @@ struct Importance {
 }
 
 impl Importance {
-    fn of(surface: &Surface, run: &RunSettings, basis: &Basis) -> Result<Self, BakeError> {
+    fn of(places: &Places, run: &RunSettings, basis: &Basis) -> Result<Self, BakeError> {
         let mut excitation = Excitation::new(basis);
         let take = |brightness: &[f32]| excitation.add(basis, run.level, brightness);
-        let light_count = prior::for_each(surface, run, take).ok_or(BakeError::Cancelled)?;
+        let light_count = prior::for_each(places, run, take).ok_or(BakeError::Cancelled)?;
         Ok(Self {
             sigma: excitation.sigma(light_count),
         })
@@ -139,9 +140,10 @@ impl Bake {
         run: &RunSettings,
     ) -> Result<Self, BakeError> {
         let basis = spectral_basis(surface, settings, run)?;
+        let places = Places::of(surface, run.level);
         let (operator, sky, stats) = match settings.scheme {
             Scheme::Relume => {
-                let importance = Importance::of(surface, run, &basis)?;
+                let importance = Importance::of(&places, run, &basis)?;
                 let (rows, sky, stats) =
                     low_rank::sampled_rows(surface, settings, run, &basis, &importance)?;
                 (Operator::LowRank(rows), sky, stats)
@@ -161,22 +163,29 @@ impl Bake {
         };
         run.progress.stage("energy", 1);
         bake.stats.largest_eigenvalue = energy::largest_eigenvalue(&bake, run.level);
-        let ratios = energy::energy_ratios(&bake, surface, run.level);
+        let ratios = energy::energy_ratios(&bake, surface, &places, run.level);
         (bake.stats.energy_mean, bake.stats.energy_worst) = (ratios.mean, ratios.worst);
-        bake.stats.errors = bake.stated_errors(surface, settings, run);
+        bake.stats.errors = bake.stated_errors(&places, settings, run);
         Ok(bake)
     }
 
     /// The errors that the bake states of itself.
     fn stated_errors(
         &self,
-        surface: &Surface,
+        places: &Places,
         settings: &BakeSettings,
         run: &RunSettings,
     ) -> ErrorParts {
         run.progress.stage("error", 1);
-        let lights = TestLights::of(surface, &self.basis, run.level, STATED_SEED);
-        audit(self, surface, settings, &lights, AuditSize::SHORT, run)
+        let lights = TestLights::of(places, &self.basis, STATED_SEED);
+        audit(
+            self,
+            places.surface(),
+            settings,
+            &lights,
+            AuditSize::SHORT,
+            run,
+        )
     }
 
     /// E = T~ B, irradiance from radiosity, both in slots, W/m2.

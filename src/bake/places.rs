@@ -21,6 +21,8 @@ use crate::surface::{NONE, Ray, Surface, SurfacePoint, offset_origin};
 const RAYS: u32 = 64;
 /// Seed of these rays.
 const SEED: u32 = 0x5ce1;
+/// Prior skies, in an open scene.
+const SKIES: usize = 7;
 /// Distances of lights from the surface, shares of the extent.
 const NEAREST: f64 = 0.02;
 const FARTHEST: f64 = 0.5;
@@ -35,6 +37,9 @@ const MOST_ATTEMPTS: u32 = 64;
 const FIRST_ATTEMPT: u32 = 16;
 const NUMBERS_AN_ATTEMPT: u32 = 8;
 
+/// First random number of the tries of [`Places::aim`].
+const FIRST_AIM: u32 = 1024;
+
 /// Directions that are looked into for room: along the axes and the diagonals.
 fn around() -> impl Iterator<Item = Vec3> {
     let signs = [-1.0_f32, 0.0, 1.0];
@@ -46,10 +51,44 @@ fn around() -> impl Iterator<Item = Vec3> {
         .filter(|d| *d != Vec3::ZERO)
 }
 
+/// What a vertex sees.
+struct View {
+    /// Share of its rays that arrive.
+    arrived: f32,
+    /// Share that escapes, and that of bright halves of the sky.
+    skies: [f32; SKIES],
+}
+
+impl View {
+    fn of(surface: &Surface, level: Level, vertex: u32, lobes: &[Vec3]) -> Self {
+        let (mut arrived, mut skies) = (0_u32, [0.0; SKIES]);
+        for (_, (direction, hit)) in vertex_rays(surface, level, [SEED, vertex], RAYS) {
+            let Some(hit) = hit else {
+                skies[0] += 1.0 / RAYS as f32;
+                for (sum, lobe) in skies[1..].iter_mut().zip(lobes) {
+                    let cosine = direction.dot(*lobe);
+                    *sum += if cosine > 0.0 { cosine } else { 0.0 } / RAYS as f32;
+                }
+                continue;
+            };
+            let corners = surface.vertices.of_triangle(hit.triangle, hit.front);
+            arrived += u32::from(corners != [NONE; 3]);
+        }
+        Self {
+            arrived: arrived as f32 / RAYS as f32,
+            skies,
+        }
+    }
+}
+
 /// What the rays of every vertex found.
 pub(super) struct Places<'a> {
     surface: &'a Surface,
     level: Level,
+    /// Share of each vertex's rays that arrive at another surface.
+    arrived: Vec<f32>,
+    /// What skies make of each vertex; empty in a closed scene.
+    skies: Vec<[f32; SKIES]>,
     /// Area times arrived share of the vertices up to and with each.
     cumulative: Vec<f32>,
     /// The same times the share that escaped; empty in a closed scene.
@@ -58,46 +97,85 @@ pub(super) struct Places<'a> {
 
 impl<'a> Places<'a> {
     pub(super) fn of(surface: &'a Surface, level: Level) -> Self {
-        let shares: Vec<[f32; 2]> = (0..surface.vertices.len())
+        let lobes: Vec<Vec3> = [Vec3::X, Vec3::Y, Vec3::Z]
+            .into_iter()
+            .flat_map(|axis| [axis, -axis])
+            .collect();
+        let views: Vec<View> = (0..surface.vertices.len())
             .into_par_iter()
             .with_min_len(64)
-            .map(|vertex| {
-                let (mut arrived, mut escaped) = (0_u32, 0_u32);
-                for (_, (_, hit)) in vertex_rays(surface, level, [SEED, vertex as u32], RAYS) {
-                    match hit {
-                        None => escaped += 1,
-                        Some(hit) => {
-                            let corners = surface.vertices.of_triangle(hit.triangle, hit.front);
-                            arrived += u32::from(corners != [NONE; 3]);
-                        }
-                    }
-                }
-                [arrived, escaped].map(|count| count as f32 / RAYS as f32)
-            })
+            .map(|vertex| View::of(surface, level, vertex as u32, &lobes))
             .collect();
-        let areas = surface.vertices.areas();
-        let cumulative = |weight: &dyn Fn([f32; 2]) -> f32| -> Vec<f32> {
-            let terms = shares.iter().zip(areas);
+        let cumulative = |weight: &dyn Fn(&View) -> f32| -> Vec<f32> {
+            let terms = views.iter().zip(surface.vertices.areas());
             terms
-                .scan(0.0, |total, (&share, area)| {
-                    *total += area * weight(share);
+                .scan(0.0, |total, (view, area)| {
+                    *total += area * weight(view);
                     Some(*total)
                 })
                 .collect()
         };
-        let escaped: f64 = shares.iter().map(|s| f64::from(s[1])).sum();
-        let is_open = escaped > OPEN_SHARE * shares.len() as f64;
-        let cumulative_of_suns = if is_open {
-            cumulative(&|[arrived, escaped]| arrived * escaped)
-        } else {
-            Vec::new()
-        };
+        let escaped: f64 = views.iter().map(|view| f64::from(view.skies[0])).sum();
+        let is_open = escaped > OPEN_SHARE * views.len() as f64;
+        let (mut skies, mut cumulative_of_suns) = (Vec::new(), Vec::new());
+        if is_open {
+            skies = views.iter().map(|view| view.skies).collect();
+            cumulative_of_suns = cumulative(&|view| view.arrived * view.skies[0]);
+        }
         Self {
             surface,
             level,
-            cumulative: cumulative(&|[arrived, _]| arrived),
+            arrived: views.iter().map(|view| view.arrived).collect(),
+            skies,
+            cumulative: cumulative(&|view| view.arrived),
             cumulative_of_suns,
         }
+    }
+
+    /// Leaves of a light at the vertices what they can hand on, and scales it so
+    /// that it brings as much indirect light as any other: by the reciprocity of
+    /// form factors, sum_i A_i E_i = sum_j A_j r_j B_j. (Scaled to the same
+    /// direct light, a sun that mostly shines on roofs counted for nothing in
+    /// the room behind its window, and lost up to a fourth of its light there.)
+    /// Returns whether it brings any.
+    pub(super) fn scale(&self, brightness: &mut [f32]) -> bool {
+        let (mut indirect, mut area) = (0.0, 0.0);
+        for ((b, &arrived), &a) in brightness
+            .iter_mut()
+            .zip(&self.arrived)
+            .zip(self.surface.vertices.areas())
+        {
+            if arrived == 0.0 {
+                *b = 0.0;
+            }
+            indirect += f64::from(a) * f64::from(arrived) * f64::from(*b);
+            area += f64::from(a);
+        }
+        let scale = area / indirect;
+        let is_finite = indirect > 0.0 && scale.is_finite();
+        if is_finite {
+            for b in brightness {
+                *b = (f64::from(*b) * scale) as f32;
+            }
+        }
+        is_finite
+    }
+
+    /// Irradiance of prior skies at the vertices, roughly: one that is the same
+    /// everywhere, and a bright half of it about each axis. None in a closed
+    /// scene.
+    pub(super) fn skies(&self) -> Vec<Vec<f32>> {
+        let sky = |sky: usize| self.skies.iter().map(|seen| seen[sky]).collect();
+        let count = if self.skies.is_empty() { 0 } else { SKIES };
+        (0..count).map(sky).collect()
+    }
+
+    pub(super) fn surface(&self) -> &'a Surface {
+        self.surface
+    }
+
+    pub(super) fn level(&self) -> Level {
+        self.level
     }
 
     /// Whether there is a surface that hands light on.
@@ -153,6 +231,28 @@ impl<'a> Places<'a> {
             }
         }
         self.point([seed, light])
+    }
+
+    /// A direction (unit) from a place in which the next surface is at least
+    /// `throw` extents away, or the farthest of those that were tried.
+    pub(super) fn aim(&self, [seed, light]: [u32; 2], place: Vec3, throw: f64) -> Vec3 {
+        let extent = self.surface.placement.extent * self.surface.placement.scale;
+        let wanted = (throw * extent) as f32;
+        let mut best = (0.0, Vec3::NEG_Y);
+        for attempt in 0..MOST_ATTEMPTS {
+            let first = FIRST_AIM + attempt * 2;
+            let u = |dimension| uniform(seed, light, first + dimension);
+            let direction = sphere_direction([u(0), u(1)]);
+            let reach = self.reach(place, direction);
+            // Into the sky is no aim.
+            if reach.is_finite() && reach > best.0 {
+                best = (reach, direction);
+            }
+            if best.0 > wanted {
+                break;
+            }
+        }
+        best.1
     }
 
     /// A random surface point that hands light on.

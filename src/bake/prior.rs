@@ -1,17 +1,12 @@
 //! Prior lights: how strongly each basis function is excited by lights in
 //! general. Made by the bake with a seed of its own, never the scene's lights.
 
-use glam::Vec3;
-use rayon::prelude::*;
-
+use super::RunSettings;
 use super::places::Places;
-use super::transfer::vertex_rays;
-use super::{RunSettings, sky};
 use crate::maths::hash::uniform;
 use crate::maths::sampling::sphere_direction;
 use crate::scene::PlacedLight;
-use crate::simd::Level;
-use crate::surface::{Surface, direct};
+use crate::surface::direct;
 
 /// Numbers of prior lights by kind (some 250; 32 training lights did overfit).
 const POINTS: u32 = 192;
@@ -19,12 +14,6 @@ const SPOTS: u32 = 32;
 const DIRECTIONALS: u32 = 32;
 /// Half angle of the prior spots, degrees.
 const SPOT_CUTOFF_DEG: f32 = 20.0;
-/// Prior skies, in an open scene.
-const SKIES: usize = 7;
-/// Rays a vertex that look for the prior skies.
-const SKY_RAYS: u32 = 64;
-/// Seed of these rays.
-const SKY_SEED: u32 = 0x5ce1;
 /// Seed that chooses.
 const CHOOSING_SEED: u32 = 0x11947;
 /// Seed that reports.
@@ -72,25 +61,26 @@ pub(super) fn unit_sun(places: &Places, [seed, light]: [u32; 2]) -> PlacedLight 
     })
 }
 
-/// Irradiance of every prior light at the vertices (albedo 1), each scaled to
-/// RMS 1 and handed over one at a time: lights with a place, skies where the
-/// scene is open, and the constant light last. Lights that reach nothing are
-/// left out. Returns how many were handed over, or `None` if the job was
+/// Light of every prior light at the vertices (albedo 1), each scaled to bring the
+/// same indirect light and handed over one at a time: lights with a place, skies
+/// where the scene is open, and the constant light last. Lights that bring none
+/// are left out. Returns how many were handed over, or `None` if the job was
 /// stopped.
 pub(super) fn for_each(
-    surface: &Surface,
+    places: &Places,
     run: &RunSettings,
     mut take: impl FnMut(&[f32]),
 ) -> Option<usize> {
+    let surface = places.surface();
     let mut count = 0;
     let mut hand_over = |mut brightness: Vec<f32>| {
-        if scale_to_rms_1(&mut brightness) {
+        if places.scale(&mut brightness) {
             take(&brightness);
             count += 1;
         }
     };
     let shadows = direct::Shadows::of_surface(surface, run.level);
-    let lights = lights(&Places::of(surface, run.level));
+    let lights = lights(places);
     run.progress.stage("prior lights", lights.len() as u64);
     for light in lights {
         if run.progress.cancelled() {
@@ -100,56 +90,7 @@ pub(super) fn for_each(
         let irradiance = direct::at_vertices_by_one_point(&shadows, &light);
         hand_over(irradiance.iter().map(|e| e.x).collect());
     }
-    for sky in skies(surface, run.level) {
-        hand_over(sky);
-    }
+    places.skies().into_iter().for_each(&mut hand_over);
     hand_over(vec![1.0; surface.vertices.len()]);
     Some(count)
-}
-
-/// Returns whether there is any light to scale.
-fn scale_to_rms_1(brightness: &mut [f32]) -> bool {
-    let square = |e: &f32| f64::from(*e) * f64::from(*e);
-    let squares: f64 = brightness.iter().map(square).sum();
-    let rms = (squares / brightness.len() as f64).sqrt();
-    if rms > 0.0 {
-        brightness
-            .iter_mut()
-            .for_each(|e| *e = (f64::from(*e) / rms) as f32);
-    }
-    rms > 0.0
-}
-
-/// Irradiance of prior skies at the vertices, roughly: one that is the same
-/// everywhere, and a bright half of it about each axis. None in a closed scene.
-fn skies(surface: &Surface, level: Level) -> Vec<Vec<f32>> {
-    let axes = [Vec3::X, Vec3::Y, Vec3::Z];
-    let lobes: Vec<Vec3> = axes.iter().flat_map(|&axis| [axis, -axis]).collect();
-    let at_vertices: Vec<[f32; SKIES]> = (0..surface.vertices.len())
-        .into_par_iter()
-        .with_min_len(64)
-        .map(|vertex| {
-            let mut seen = [0.0; SKIES];
-            for direction in escapes(surface, level, vertex) {
-                seen[0] += 1.0 / SKY_RAYS as f32;
-                for (sum, lobe) in seen[1..].iter_mut().zip(&lobes) {
-                    *sum += direction.dot(*lobe).max(0.0) / SKY_RAYS as f32;
-                }
-            }
-            seen
-        })
-        .collect();
-    let escaped: f64 = at_vertices.iter().map(|seen| f64::from(seen[0])).sum();
-    if escaped <= sky::OPEN_SHARE * at_vertices.len() as f64 {
-        return Vec::new();
-    }
-    (0..SKIES)
-        .map(|sky| at_vertices.iter().map(|seen| seen[sky]).collect())
-        .collect()
-}
-
-/// Directions in which cosine-weighted rays of a vertex escape.
-fn escapes(surface: &Surface, level: Level, vertex: usize) -> impl Iterator<Item = Vec3> {
-    vertex_rays(surface, level, [SKY_SEED, vertex as u32], SKY_RAYS)
-        .filter_map(|(_, (direction, hit))| hit.is_none().then_some(direction))
 }

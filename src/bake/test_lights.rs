@@ -24,8 +24,10 @@ pub(crate) type Fields = Vec<[f32; LIGHTS]>;
 
 /// Distance that points and spots keep from surfaces, extents.
 const CLEARANCE: f64 = 0.05;
+/// Distance that spots are thrown over, extents, where there is so much room.
+const THROW: f64 = 0.25;
 /// Half angles of the spots in turn, degrees.
-const CUTOFFS_DEG: [f32; 2] = [30.0, 15.0];
+const CUTOFFS_DEG: [f32; 2] = [30.0, 20.0];
 /// Rays a vertex that look for skies.
 const SKY_RAYS: u32 = 256;
 /// Distance of the extreme lamp from a corner and radius of the extreme patch,
@@ -38,7 +40,7 @@ const PATCH_RADIUS: f32 = 0.05;
 pub enum TestKind {
     /// A lamp in the room.
     Point,
-    /// A spot of 30 or 15 degrees.
+    /// A spot of 30 or 20 degrees, aimed across the room.
     Spot,
     /// A sun that reaches what hands light on.
     Sun,
@@ -76,8 +78,8 @@ pub(crate) struct TestLights {
 }
 
 impl TestLights {
-    pub(crate) fn of(surface: &Surface, basis: &Basis, level: Level, seed: u32) -> Self {
-        let places = Places::of(surface, level);
+    pub(crate) fn of(places: &Places, basis: &Basis, seed: u32) -> Self {
+        let (surface, level) = (places.surface(), places.level());
         let table: &[(TestKind, usize)] = if places.any_sun() { &OPEN } else { &CLOSED };
         let kinds: Vec<TestKind> = table
             .iter()
@@ -87,7 +89,7 @@ impl TestLights {
         if places.any() {
             let shadows = direct::Shadows::of_surface(surface, level);
             for (number, &kind) in kinds.iter().enumerate() {
-                let values = match light(&places, kind, [seed, number as u32]) {
+                let values = match light(places, kind, [seed, number as u32]) {
                     Some(light) => direct::at_vertices(&shadows, &light)
                         .iter()
                         .map(|e| e.x)
@@ -102,8 +104,8 @@ impl TestLights {
 
     /// A lamp 0.02 extents from a corner, and a patch with a hard edge that is
     /// lit alone: numbers 0 and 1; the others are dark.
-    pub(crate) fn extremes(surface: &Surface, basis: &Basis, level: Level, seed: u32) -> Self {
-        let places = Places::of(surface, level);
+    pub(crate) fn extremes(places: &Places, basis: &Basis, seed: u32) -> Self {
+        let (surface, level) = (places.surface(), places.level());
         let mut brightness = vec![[0.0; LIGHTS]; basis.slot_count()];
         if places.any() {
             let extent = (surface.placement.extent * surface.placement.scale) as f32;
@@ -137,13 +139,12 @@ impl TestLights {
 /// A light with a place or a direction; `None` for a sky.
 fn light(places: &Places, kind: TestKind, [seed, number]: [u32; 2]) -> Option<PlacedLight> {
     let key = [seed, number];
-    let u = |dimension| uniform(seed, number, dimension);
     match kind {
         TestKind::Point => Some(PlacedLight::unit_point(places.room_point(key, CLEARANCE))),
         TestKind::Spot => {
             let cutoff = CUTOFFS_DEG[number as usize % CUTOFFS_DEG.len()];
-            let direction = sphere_direction([u(8), u(9)]);
             let place = places.room_point(key, CLEARANCE);
+            let direction = places.aim(key, place, THROW);
             Some(PlacedLight::unit_spot(place, direction, cutoff))
         }
         TestKind::Sun => Some(PlacedLight::unit_directional(places.sun(key))),

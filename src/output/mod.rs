@@ -8,9 +8,10 @@ mod exr;
 mod file;
 mod png;
 
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 
 use crate::frame::{EncodedImage, Image, decode_levels};
+use crate::report::ReportFile;
 use file::write_whole;
 
 /// One frame in both of its forms; a format takes the one it holds.
@@ -81,6 +82,12 @@ pub enum OutputError {
         /// What the encoder said.
         source: Box<dyn std::error::Error + Send + Sync>,
     },
+    /// The levels do not fit into a PNG file.
+    #[error("the picture could not be encoded as PNG; make it smaller")]
+    EncodePng(#[source] CodecError),
+    /// A file of a folder would stand somewhere else.
+    #[error("{}: leads out of the folder it is written to; use a path below it", .0.display())]
+    OutsideFolder(PathBuf),
     /// The bytes are not an image of this format.
     #[error(
         "{}: not a readable image of its extension's format; \
@@ -147,6 +154,37 @@ pub fn read_image(path: &Path) -> Result<LoadedImage, OutputError> {
         path: path.to_owned(),
         source,
     })
+}
+
+/// The bytes of a PNG file with these levels.
+///
+/// # Errors
+/// [`OutputError::EncodePng`] if PNG cannot hold the image.
+pub fn encode_png(image: &EncodedImage) -> Result<Vec<u8>, OutputError> {
+    png::encode_levels(image).map_err(OutputError::EncodePng)
+}
+
+/// Writes files below a folder, which is made if it is missing, in their order.
+/// Each is whole or absent at any time; other files in the folder stay.
+///
+/// # Errors
+/// If a path leads out of the folder, or a folder or file cannot be written;
+/// files before that one are then there.
+pub fn write_folder(folder: &Path, files: &[ReportFile]) -> Result<(), OutputError> {
+    for file in files {
+        let path = folder.join(&file.path);
+        let is_inside = Path::new(&file.path)
+            .components()
+            .all(|part| matches!(part, Component::Normal(_)));
+        if !is_inside {
+            return Err(OutputError::OutsideFolder(path));
+        }
+        let above = path.parent().unwrap_or(folder);
+        std::fs::create_dir_all(above)
+            .and_then(|()| write_whole(&path, &file.bytes))
+            .map_err(|source| OutputError::Write { path, source })?;
+    }
+    Ok(())
 }
 
 fn format_of(path: &Path) -> Result<&'static Format, OutputError> {

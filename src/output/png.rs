@@ -7,7 +7,7 @@ use image::codecs::png::{PngDecoder, PngEncoder};
 use image::{DynamicImage, ExtendedColorType, ImageDecoder, ImageEncoder, Limits};
 
 use super::{CodecError, Format, LoadedImage, Picture};
-use crate::frame::Image;
+use crate::frame::{EncodedImage, Image};
 
 /// 16-bit levels a level of 8 bits: 65,535 / 255.
 const SIXTEEN_BIT_LEVELS: f32 = 257.0;
@@ -19,7 +19,10 @@ pub(super) const FORMAT: Format = Format {
 };
 
 fn encode(frame: Picture<'_>) -> Result<Vec<u8>, CodecError> {
-    let image = frame.encoded;
+    encode_levels(frame.encoded)
+}
+
+pub(super) fn encode_levels(image: &EncodedImage) -> Result<Vec<u8>, CodecError> {
     let mut bytes = Vec::new();
     PngEncoder::new(&mut bytes).write_image(
         image.bytes(),

@@ -39,6 +39,11 @@ fn a_png_holds_the_levels() {
     assert_eq!(levels, expected);
     let again = Development::Color.develop(&loaded.to_linear());
     assert_eq!(again.digest(), encoded.digest());
+    // What goes into a report is the same file, and the report knows its size.
+    let bytes = encode_png(&encoded).unwrap();
+    assert_eq!(bytes, fs::read(&path).unwrap());
+    let picture = crate::report::PngImage::new(bytes).unwrap();
+    assert_eq!((picture.width(), picture.height()), (17, 5));
 }
 
 #[test]
