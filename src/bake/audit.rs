@@ -367,26 +367,6 @@ pub(crate) fn audit(
     let stored = receivers.pick(&stored_bounce(bake, run.level, fields));
     let between = |right: &Fields, other: &Fields| LightErrors::of(&receivers.errors(right, other));
     let against_truth = |estimate: &Fields| LightErrors::of(&truth.errors(&receivers, estimate));
-    if std::env::var("DBG").is_ok() {
-        let t = truth.errors(&receivers, &stored);
-        let n = truth.errors(&receivers, &whole);
-        let bs = receivers.errors(&whole, &on_basis);
-        let tn = truth.noise(&receivers);
-        for l in 0..LIGHTS {
-            if let (Some(t), Some(n), Some(b), Some(tn)) = (t[l], n[l], bs[l], tn[l]) {
-                eprintln!(
-                    "{:?} {l}: total {:.2} ({:+.2}) noise {:.2} basis {:.2} truth {:.2}  max {:.1}",
-                    lights.kinds[l],
-                    t[0] * 100.0,
-                    t[1] * 100.0,
-                    n[0] * 100.0,
-                    b[0] * 100.0,
-                    tn[0] * 100.0,
-                    fields.iter().map(|f| f[l]).fold(0.0, f32::max)
-                );
-            }
-        }
-    }
     ErrorParts {
         total: against_truth(&stored),
         noise: against_truth(&whole),
