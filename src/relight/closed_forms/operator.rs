@@ -146,8 +146,6 @@ fn energy_is_nearly_kept() {
 }
 
 #[test]
-#[ignore = "fails: mean ratio 1.046; the default of 32 functions for 1,000 vertices is too few \
-            for a mesh as coarse as this"]
 fn energy_is_nearly_kept_on_a_coarse_mesh() {
     assert_energy_kept("coarse cube", &CUBE);
 }
