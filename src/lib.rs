@@ -45,8 +45,8 @@ mod surface;
 mod texture;
 
 pub use bake::{
-    BakeError, BakeForecast, BakeSettings, BakeStats, ErrorParts, LightErrors, Partitioner,
-    Progress, RunSettings, Scheme, Silent,
+    BakeError, BakeForecast, BakeSettings, BakeStats, ErrorParts, FreeKeys, LightErrors,
+    Partitioner, Progress, RunSettings, Scheme, Silent,
 };
 pub use frame::{
     Difference, EncodedImage, FlipMap, HdrFlip, Image, ImageSizeError, PIXELS_PER_DEGREE,

@@ -122,7 +122,16 @@ pub(crate) struct Receivers {
 impl Receivers {
     /// Groups spread evenly over the slots.
     pub(crate) fn spread(surface: &Surface, basis: &Basis, count: usize) -> Self {
-        let all = receiver_groups(basis);
+        Self::among(surface, basis, &receiver_groups(basis), count)
+    }
+
+    /// Groups spread evenly over some.
+    pub(super) fn among(
+        surface: &Surface,
+        basis: &Basis,
+        all: &[(u32, u32)],
+        count: usize,
+    ) -> Self {
         let count = count.min(all.len());
         let groups: Vec<(u32, u32)> = (0..count)
             .map(|i| all[(2 * i + 1) * all.len() / (2 * count)])
@@ -288,6 +297,11 @@ pub(crate) fn sampled_bounce(
 
 /// One bounce of the lights by the stored operator, slots.
 pub(crate) fn stored_bounce(bake: &Bake, level: Level, fields: &Fields) -> Fields {
+    in_threes(fields, |radiosity| bake.apply(level, radiosity))
+}
+
+/// Fields that an operator on RGB makes of fields.
+pub(super) fn in_threes(fields: &Fields, apply: impl Fn(&[[f32; 3]]) -> Vec<[f32; 3]>) -> Fields {
     let mut out = vec![[0.0; LIGHTS]; fields.len()];
     for first in (0..LIGHTS).step_by(3) {
         let channels = first..(first + 3).min(LIGHTS);
@@ -299,7 +313,7 @@ pub(crate) fn stored_bounce(bake: &Bake, level: Level, fields: &Fields) -> Field
                 rgb
             })
             .collect();
-        for (out, rgb) in out.iter_mut().zip(bake.apply(level, &radiosity)) {
+        for (out, rgb) in out.iter_mut().zip(apply(&radiosity)) {
             out[channels.clone()].copy_from_slice(&rgb[..channels.len()]);
         }
     }
@@ -308,23 +322,9 @@ pub(crate) fn stored_bounce(bake: &Bake, level: Level, fields: &Fields) -> Field
 
 /// What the basis keeps of the lights: S S^T B, slots.
 fn smooth(basis: &Basis, level: Level, fields: &Fields) -> Fields {
-    let mut out = vec![[0.0; LIGHTS]; fields.len()];
-    for first in (0..LIGHTS).step_by(3) {
-        let channels = first..(first + 3).min(LIGHTS);
-        let values: Vec<[f32; 3]> = fields
-            .iter()
-            .map(|values| {
-                let mut rgb = [0.0; 3];
-                rgb[..channels.len()].copy_from_slice(&values[channels.clone()]);
-                rgb
-            })
-            .collect();
-        let kept = basis.reconstruct_rgb(&basis.project_rgb(level, &values));
-        for (out, rgb) in out.iter_mut().zip(kept) {
-            out[channels.clone()].copy_from_slice(&rgb[..channels.len()]);
-        }
-    }
-    out
+    in_threes(fields, |values| {
+        basis.reconstruct_rgb(&basis.project_rgb(level, values))
+    })
 }
 
 /// Audits a finished bake under test lights.
@@ -336,10 +336,22 @@ pub(crate) fn audit(
     size: AuditSize,
     run: &RunSettings,
 ) -> ErrorParts {
-    let basis = bake.basis();
-    let receivers = Receivers::spread(surface, basis, size.groups);
+    let receivers = Receivers::spread(surface, bake.basis(), size.groups);
+    let stored = |fields: &Fields| stored_bounce(bake, run.level, fields);
+    let job = (surface, bake.basis(), settings, run);
+    audit_at(job, &receivers, lights, size.rays, stored)
+}
+
+/// Audits an operator, given as what it makes of fields, at some receivers.
+pub(super) fn audit_at(
+    (surface, basis, settings, run): (&Surface, &Basis, &BakeSettings, &RunSettings),
+    receivers: &Receivers,
+    lights: &TestLights,
+    rays: u32,
+    stored: impl Fn(&Fields) -> Fields,
+) -> ErrorParts {
     let fields = &lights.brightness;
-    let truth = Truth::sample(surface, basis, run.level, &receivers, size.rays, fields);
+    let truth = Truth::sample(surface, basis, run.level, receivers, rays, fields);
     let sampling = Sampling {
         surface,
         level: run.level,
@@ -364,15 +376,15 @@ pub(crate) fn audit(
         .collect();
     let (whole, on_basis): (Vec<_>, Vec<_>) = sampled.into_iter().map(|[a, b]| (a, b)).unzip();
     let (whole, on_basis) = (whole.concat(), on_basis.concat());
-    let stored = receivers.pick(&stored_bounce(bake, run.level, fields));
+    let stored = receivers.pick(&stored(fields));
     let between = |right: &Fields, other: &Fields| LightErrors::of(&receivers.errors(right, other));
-    let against_truth = |estimate: &Fields| LightErrors::of(&truth.errors(&receivers, estimate));
+    let against_truth = |estimate: &Fields| LightErrors::of(&truth.errors(receivers, estimate));
     ErrorParts {
         total: against_truth(&stored),
         noise: against_truth(&whole),
         basis: between(&whole, &on_basis),
         compression: between(&on_basis, &stored),
-        truth: LightErrors::of(&truth.noise(&receivers)),
+        truth: LightErrors::of(&truth.noise(receivers)),
     }
 }
 

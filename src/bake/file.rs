@@ -91,6 +91,7 @@ fn encode_payload(bake: &Bake) -> Vec<u8> {
         stats.energy_worst,
     ]);
     out.list(&stats.errors.numbers());
+    out.list(stats.error_asked.as_slice());
     out.list(&bake.backs.iter().map(|&b| u8::from(b)).collect::<Vec<_>>());
 
     out.list(&bake.open_points);
@@ -175,7 +176,13 @@ fn decode_payload(payload: &[u8]) -> Result<Bake, FileError> {
         return Err(FileError::Damaged);
     };
     let errors = ErrorParts::from_numbers(&input.list()?).ok_or(FileError::Damaged)?;
+    let error_asked = match input.list::<f64>()?.as_slice() {
+        [] => None,
+        &[error] => Some(error),
+        _ => return Err(FileError::Damaged),
+    };
     let stats = BakeStats {
+        error_asked,
         errors,
         scheme,
         partitioner,

@@ -29,6 +29,13 @@ impl BakeKey {
             settings.vertices_per_part,
         ]);
         words(&functions);
+        // Without an error to reach, it is the same whether a key was set or not.
+        if let Some(error) = settings.error {
+            let bits = error.to_bits();
+            let free = settings.free;
+            words(&[bits as u32, (bits >> 32) as u32]);
+            words(&[free.rays, free.functions, free.coefficients].map(u32::from));
+        }
         // Another partitioner makes another bake of the published scheme.
         if settings.scheme == Scheme::Paper {
             let [scheme, partitioner] =

@@ -12,6 +12,7 @@
 
 mod audit;
 mod basis;
+mod budget;
 mod cache;
 mod compress;
 mod dense;
@@ -55,6 +56,7 @@ use thiserror::Error;
 
 use audit::{AuditSize, audit};
 use basis::BasisError;
+use budget::settings_for_error;
 use excitation::Excitation;
 use function_shares::functions_by_area;
 use graph::VertexGraph;
@@ -74,7 +76,7 @@ pub(crate) use pilot::escaped_share_of_fronts;
 pub use run::{Progress, RunSettings, Silent};
 pub(crate) use scheme::Operator;
 pub use scheme::{Partitioner, Scheme};
-pub use settings::BakeSettings;
+pub use settings::{BakeSettings, FreeKeys};
 pub(crate) use sky::OPEN_SHARE;
 pub use stats::BakeStats;
 
@@ -139,8 +141,12 @@ impl Bake {
         settings: &BakeSettings,
         run: &RunSettings,
     ) -> Result<Self, BakeError> {
-        let basis = spectral_basis(surface, settings, run)?;
         let places = Places::of(surface, run.level);
+        let settings = &match settings.scheme {
+            Scheme::Relume => settings_for_error(surface, &places, settings, run)?,
+            Scheme::Paper => *settings,
+        };
+        let basis = spectral_basis(surface, settings, run)?;
         let (operator, sky, stats) = match settings.scheme {
             Scheme::Relume => {
                 let importance = Importance::of(&places, run, &basis)?;

@@ -8,6 +8,7 @@ use super::rows::{GroupRows, Rows};
 use super::sky::{self, Sky};
 use super::stats::{GroupStats, escaped_past_something};
 use super::transfer::{self, GROUP, GroupTransfer, Sampling, sample_group};
+use crate::simd::Level;
 
 /// Groups that the thresholds are chosen from, spread evenly over the scene.
 pub(super) const PILOT_GROUPS: usize = 256;
@@ -23,16 +24,21 @@ pub(super) struct SkyRows<'a> {
 }
 
 impl<'a> SkyRows<'a> {
-    /// Finds the threshold that keeps the budget in the mean of pilot groups.
-    pub(super) fn new(basis: &Basis, sampling: Sampling, groups: &'a [(u32, u32)]) -> Self {
-        let cells = sky::basis();
-        let mut sky = Self {
+    /// Keeps every function.
+    pub(super) fn unlimited(groups: &'a [(u32, u32)]) -> Self {
+        let (cells, level) = (sky::basis(), Level::Scalar);
+        Self {
             groups,
-            sigma: sky::sigma(&cells, sampling.level),
-            constant: cells.constant(sampling.level),
+            sigma: sky::sigma(&cells, level),
+            constant: cells.constant(level),
             basis: cells,
             threshold: 0.0,
-        };
+        }
+    }
+
+    /// Finds the threshold that keeps the budget in the mean of pilot groups.
+    pub(super) fn new(basis: &Basis, sampling: Sampling, groups: &'a [(u32, u32)]) -> Self {
+        let mut sky = Self::unlimited(groups);
         let pilots = pilot_groups(groups);
         let scores: Vec<Vec<f32>> = pilots
             .par_iter()

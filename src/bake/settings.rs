@@ -14,7 +14,7 @@ const COEFFICIENTS: u32 = 64;
 const VERTICES_PER_PART: u32 = 600;
 
 /// Settings of a bake, resolved against their defaults.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BakeSettings {
     /// How the transfer is stored.
     pub scheme: Scheme,
@@ -29,6 +29,22 @@ pub struct BakeSettings {
     /// Vertices a partition; the published scheme has a rule of its own (500
     /// below 10,000 vertices, 1,000 from there on).
     pub vertices_per_part: u32,
+    /// Error of indirect light to reach, relative: keys that are free follow
+    /// from it. `None`: the defaults, whatever error they have.
+    pub error: Option<f64>,
+    /// Which keys the search for an error may change.
+    pub free: FreeKeys,
+}
+
+/// Keys of a bake that nobody has set.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct FreeKeys {
+    /// `rays`.
+    pub rays: bool,
+    /// `functions`.
+    pub functions: bool,
+    /// `coefficients`.
+    pub coefficients: bool,
 }
 
 impl BakeSettings {
@@ -49,6 +65,12 @@ impl BakeSettings {
             functions: keys.functions,
             coefficients: keys.coefficients.unwrap_or(coefficients),
             vertices_per_part: VERTICES_PER_PART,
+            error: keys.error,
+            free: FreeKeys {
+                rays: keys.rays.is_none(),
+                functions: keys.functions.is_none(),
+                coefficients: keys.coefficients.is_none(),
+            },
         }
     }
 

@@ -139,6 +139,10 @@ pub(super) struct SceneArguments {
     /// to compare with).
     #[arg(long, default_value = "relume", value_parser = parse_scheme, value_name = "NAME")]
     pub(super) scheme: Scheme,
+    /// Relative error of indirect light to reach, as in 0.02: the bake chooses
+    /// rays, functions and coefficients for it; short for --set bake.error.
+    #[arg(long, value_name = "SHARE")]
+    pub(super) error: Option<f64>,
     #[command(flatten)]
     pub(super) run: Run,
 }

@@ -15,7 +15,7 @@ mod factor;
 mod quantise;
 mod sampled;
 
-pub(super) use sampled::{Budget, sampled_rows};
+pub(super) use sampled::{Budget, pilot_rows, sampled_rows};
 
 use rayon::prelude::*;
 

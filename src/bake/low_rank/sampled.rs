@@ -63,16 +63,70 @@ pub(in crate::bake) fn sampled_rows(
     importance: &Importance,
 ) -> Result<(LowRank, Option<Sky>, BakeStats), BakeError> {
     let groups = receiver_groups(basis);
-    let sampling = Sampling {
-        surface,
-        level: run.level,
-        slot_of_vertex: basis.slot_of_vertex(),
-        rays: settings.rays,
-    };
+    let sampling = sampling(surface, settings, run, basis);
     let sky = SkyRows::new(basis, sampling, &groups);
     if run.progress.cancelled() {
         return Err(BakeError::Cancelled);
     }
+    let (operator, stats, sky_rows) =
+        of_parts((surface, settings, run, basis, importance), &sky, |_| true)?;
+    let sky = sky.finish(&stats.0, &sky_rows);
+    let stats = BakeStats::of(&stats.0, settings, stats.1 as f32);
+    Ok((operator, sky, stats))
+}
+
+/// The same of some partitions alone, without the sky; the receivers of the
+/// others are left in the dark.
+pub(in crate::bake) fn pilot_rows(
+    surface: &Surface,
+    settings: &BakeSettings,
+    run: &RunSettings,
+    basis: &Basis,
+    importance: &Importance,
+    is_pilot: &[bool],
+) -> Result<LowRank, BakeError> {
+    let sky = SkyRows::unlimited(&[]);
+    let job = (surface, settings, run, basis, importance);
+    let (operator, ..) = of_parts(job, &sky, |part| is_pilot[part as usize])?;
+    Ok(operator)
+}
+
+fn sampling<'a>(
+    surface: &'a Surface,
+    settings: &BakeSettings,
+    run: &RunSettings,
+    basis: &'a Basis,
+) -> Sampling<'a> {
+    Sampling {
+        surface,
+        level: run.level,
+        slot_of_vertex: basis.slot_of_vertex(),
+        rays: settings.rays,
+    }
+}
+
+/// What a bake is made of.
+type Task<'a> = (
+    &'a Surface,
+    &'a BakeSettings,
+    &'a RunSettings<'a>,
+    &'a Basis,
+    &'a Importance,
+);
+
+/// The operator for the receivers of some partitions, the statistics of groups
+/// with the energy of the last component, and the rows of the sky.
+#[allow(
+    clippy::type_complexity,
+    reason = "three results of one pass over all groups"
+)]
+fn of_parts(
+    (surface, settings, run, basis, importance): Task,
+    sky: &SkyRows,
+    is_wanted: impl Fn(u32) -> bool + Sync,
+) -> Result<(LowRank, (Vec<GroupStats>, f64), Vec<GroupRows>), BakeError> {
+    let groups = receiver_groups(basis);
+    let sampling = sampling(surface, settings, run, basis);
     let mut parts_in_order: Vec<u32> = (0..basis.part_count() as u32).collect();
     parts_in_order.sort_by_key(|&part| first_vertex(basis, part));
     let job = Job {
@@ -82,24 +136,30 @@ pub(in crate::bake) fn sampled_rows(
         sampling,
         importance,
         budget: Budget::of(settings.coefficients),
-        sky: &sky,
+        sky,
     };
     run.progress.stage("transfer", groups.len() as u64);
     let parts: Vec<FoundPart> = (0..basis.part_count() as u32)
         .into_par_iter()
-        .map(|part| job.part(part, run))
+        .map(|part| {
+            if is_wanted(part) {
+                job.part(part, run)
+            } else {
+                Ok(job.dark_part(part))
+            }
+        })
         .collect::<Result<_, _>>()?;
 
-    let energy_a_byte = last_energy(&parts, job.budget.rank * basis.slot_count());
+    let wanted = (0..basis.part_count() as u32).filter(|&part| is_wanted(part));
+    let receivers: usize = wanted.map(|part| basis.slot_range(part).len()).sum();
+    let energy_a_byte = last_energy(&parts, job.budget.rank * receivers);
     let stats: Vec<GroupStats> = parts.iter().flat_map(|p| &p.stats).copied().collect();
     let sky_rows: Vec<GroupRows> = parts.iter().flat_map(|p| p.sky.clone()).collect();
-    let sky = sky.finish(&stats, &sky_rows);
-    let stats = BakeStats::of(&stats, settings, energy_a_byte as f32);
-    let operator = job.quantise(parts, groups.clone(), energy_a_byte, run);
+    let operator = job.quantise(parts, groups, energy_a_byte, run);
     operator
         .check(basis.slot_count(), basis.function_count())
         .expect("tables that were just made fit each other");
-    Ok((operator, sky, stats))
+    Ok((operator, (stats, energy_a_byte), sky_rows))
 }
 
 /// What sampling and factoring need.
@@ -192,6 +252,26 @@ impl Job<'_> {
             out.stats.push(group.stats);
         }
         Ok(out)
+    }
+
+    /// A partition that receives nothing.
+    fn dark_part(&self, part: u32) -> FoundPart {
+        let slots = self.basis.slot_range(part);
+        let groups = slots.clone().step_by(GROUP);
+        FoundPart {
+            near: groups
+                .map(|_| NearGroup {
+                    rows: GroupRows::default(),
+                    sums: [0.0; GROUP],
+                    targets: [0.0; GROUP],
+                })
+                .collect(),
+            roots_of_area: vec![1.0; slots.len()],
+            factors: Factors::default(),
+            functions: Vec::new(),
+            sky: Vec::new(),
+            stats: Vec::new(),
+        }
     }
 
     fn scratch(&self) -> Scratch {
