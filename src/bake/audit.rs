@@ -307,7 +307,7 @@ pub(crate) fn stored_bounce(bake: &Bake, level: Level, fields: &Fields) -> Field
 }
 
 /// What the basis keeps of the lights: S S^T B, slots.
-fn smooth(basis: &Basis, level: Level, fields: &Fields) -> Fields {
+pub(super) fn smooth(basis: &Basis, level: Level, fields: &Fields) -> Fields {
     let mut out = vec![[0.0; LIGHTS]; fields.len()];
     for first in (0..LIGHTS).step_by(3) {
         let channels = first..(first + 3).min(LIGHTS);
@@ -398,7 +398,7 @@ pub(crate) fn audit(
 
 /// What a group receives of the lights by its sampled rows, and by its near
 /// field and the rest of the rows on the basis.
-fn whole_and_on_basis(
+pub(super) fn whole_and_on_basis(
     rows: &GroupTransfer,
     near: usize,
     count: usize,

@@ -45,6 +45,7 @@ mod sky;
 #[cfg(test)]
 mod sky_tests;
 mod stats;
+mod study;
 mod subspace;
 mod test_lights;
 mod transfer;
@@ -66,6 +67,7 @@ use sky::Sky;
 use test_lights::TestLights;
 
 pub use audit::{ErrorParts, LightErrors};
+pub(crate) use test_lights::{LIGHTS, TestKind};
 pub(crate) use basis::Basis;
 pub(crate) use cache::{Baked, CacheOutcome, load_or_bake, load_stored};
 pub use forecast::BakeForecast;
@@ -77,6 +79,7 @@ pub use scheme::{Partitioner, Scheme};
 pub use settings::BakeSettings;
 pub(crate) use sky::OPEN_SHARE;
 pub use stats::BakeStats;
+pub(crate) use study::{Study, VertexFields};
 
 use crate::simd::Level;
 use crate::simd::rows::GroupSums;
