@@ -79,7 +79,7 @@ pub use scheme::{Partitioner, Scheme};
 pub use settings::BakeSettings;
 pub(crate) use sky::OPEN_SHARE;
 pub use stats::BakeStats;
-pub(crate) use study::{Study, VertexFields};
+pub(crate) use study::{Study, StudyLight, VertexFields};
 
 use crate::simd::Level;
 use crate::simd::rows::GroupSums;
