@@ -37,7 +37,7 @@ const PATCH_RADIUS: f32 = 0.05;
 
 /// What a test light is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum TestKind {
+pub(crate) enum TestKind {
     /// A lamp in the room.
     Point,
     /// A spot of 30 or 20 degrees, aimed across the room.
@@ -50,7 +50,7 @@ pub enum TestKind {
 
 impl TestKind {
     /// The name that reports use.
-    pub fn name(self) -> &'static str {
+    pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Point => "point",
             Self::Spot => "spot",

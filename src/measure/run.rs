@@ -34,7 +34,6 @@ pub struct ReportSettings {
 /// What was measured. A chapter that could not be is `None`, and `warnings` says
 /// why.
 pub(super) struct Measured {
-    pub(super) scene: Scene,
     pub(super) settings: ReportSettings,
     pub(super) figures: SceneFigures,
     pub(super) threads: usize,
@@ -105,7 +104,6 @@ pub(super) fn measure(
     let pictures = pictures::components(&mut renderer, &settings.frame, has_light, run)?;
     clock.next("pictures");
     Ok(Measured {
-        scene: renderer.scene().clone(),
         settings: *settings,
         figures: renderer.figures(),
         threads: rayon::current_num_threads(),
