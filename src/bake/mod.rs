@@ -67,7 +67,6 @@ use sky::Sky;
 use test_lights::TestLights;
 
 pub use audit::{ErrorParts, LightErrors};
-pub(crate) use test_lights::{LIGHTS, TestKind};
 pub(crate) use basis::Basis;
 pub(crate) use cache::{Baked, CacheOutcome, load_or_bake, load_stored};
 pub use forecast::BakeForecast;
@@ -80,6 +79,7 @@ pub use settings::BakeSettings;
 pub(crate) use sky::OPEN_SHARE;
 pub use stats::BakeStats;
 pub(crate) use study::{Study, StudyLight, VertexFields};
+pub(crate) use test_lights::{LIGHTS, TestKind};
 
 use crate::simd::Level;
 use crate::simd::rows::GroupSums;

@@ -60,7 +60,11 @@ impl VertexFields {
     pub(crate) fn columns(&self, range: std::ops::Range<usize>) -> Self {
         Self {
             width: range.len(),
-            values: self.rows().flat_map(|row| &row[range.clone()]).copied().collect(),
+            values: self
+                .rows()
+                .flat_map(|row| &row[range.clone()])
+                .copied()
+                .collect(),
         }
     }
 
@@ -112,9 +116,12 @@ impl<'a> Study<'a> {
     ) -> Result<Surface, BakeError> {
         let mut surface = Surface::fronts(scene, &Detail::of_keys(&scene.bake));
         surface.add_backs(bake.backs());
-        surface.vertices.set_open_points(bake.open_points().to_vec());
+        surface
+            .vertices
+            .set_open_points(bake.open_points().to_vec());
         if rays > 0 {
-            run.progress.stage("rays of all rows", surface.vertices.len() as u64);
+            run.progress
+                .stage("rays of all rows", surface.vertices.len() as u64);
             let kept = trace_arrivals(&surface, run.level, (None, rays), run.progress);
             surface.kept_arrivals = Some(kept.ok_or(BakeError::Cancelled)?);
         }
@@ -156,7 +163,8 @@ impl<'a> Study<'a> {
                 let importance = Importance {
                     sigma: excitation.sigma(self.priors.len()),
                 };
-                let rows = low_rank::sampled_rows(self.surface, settings, run, &basis, &importance)?;
+                let rows =
+                    low_rank::sampled_rows(self.surface, settings, run, &basis, &importance)?;
                 Operator::LowRank(rows.0)
             }
             Scheme::Paper => {
@@ -181,13 +189,17 @@ impl<'a> Study<'a> {
     /// The test lights of a seed and their direct light at the vertices (RMS 1).
     pub(crate) fn lights(&self, basis: &Basis, seed: u32) -> (Vec<StudyLight>, VertexFields) {
         let lights = TestLights::of(&self.places, basis, seed);
-        let study = lights.kinds.iter().enumerate().map(|(number, &kind)| StudyLight {
-            kind,
-            placed: self
-                .has_bounces()
-                .then(|| light(&self.places, kind, [seed, number as u32]))
-                .flatten(),
-        });
+        let study = lights
+            .kinds
+            .iter()
+            .enumerate()
+            .map(|(number, &kind)| StudyLight {
+                kind,
+                placed: self
+                    .has_bounces()
+                    .then(|| light(&self.places, kind, [seed, number as u32]))
+                    .flatten(),
+            });
         (study.collect(), by_vertex(basis, &lights.brightness))
     }
 
@@ -331,7 +343,11 @@ impl<'a> Study<'a> {
             )
             .collect();
         [0, 1].map(|which| {
-            let slots: Fields = found.iter().flat_map(|pair| &pair[which]).copied().collect();
+            let slots: Fields = found
+                .iter()
+                .flat_map(|pair| &pair[which])
+                .copied()
+                .collect();
             by_vertex(basis, &slots)
         })
     }
@@ -356,7 +372,8 @@ impl Bake {
                 .iter()
                 .map(|&v| {
                     let mut rgb = [0.0; 3];
-                    rgb[..channels.len()].copy_from_slice(&fields.row(v as usize)[channels.clone()]);
+                    rgb[..channels.len()]
+                        .copy_from_slice(&fields.row(v as usize)[channels.clone()]);
                     rgb
                 })
                 .collect();

@@ -137,7 +137,11 @@ impl TestLights {
 }
 
 /// A light with a place or a direction; `None` for a sky.
-pub(super) fn light(places: &Places, kind: TestKind, [seed, number]: [u32; 2]) -> Option<PlacedLight> {
+pub(super) fn light(
+    places: &Places,
+    kind: TestKind,
+    [seed, number]: [u32; 2],
+) -> Option<PlacedLight> {
     let key = [seed, number];
     match kind {
         TestKind::Point => Some(PlacedLight::unit_point(places.room_point(key, CLEARANCE))),

@@ -2,9 +2,7 @@
 
 use std::path::Path;
 
-use relume::measure::{
-    FrameTimes, LightCircle, MainFigures, ReportSettings, Spread, time_frames,
-};
+use relume::measure::{FrameTimes, LightCircle, MainFigures, ReportSettings, Spread, time_frames};
 use relume::{Bounces, FrameSettings, OutputError, Renderer, SimdLevel, write_folder};
 use serde_json::{Map, Value, json};
 
@@ -136,7 +134,9 @@ fn summary(figures: &MainFigures) -> String {
         ));
     }
     for (bytes, ratio) in &figures.ratios_at_equal_bytes {
-        lines.push(format!("paper / relume at {bytes:.0} bytes a vertex: {ratio:.2}"));
+        lines.push(format!(
+            "paper / relume at {bytes:.0} bytes a vertex: {ratio:.2}"
+        ));
     }
     for it in &figures.images {
         lines.push(format!(

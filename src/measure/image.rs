@@ -108,7 +108,13 @@ pub(super) fn against_paths(
         run.progress.stage("frames", u64::from(TIMED_FRAMES));
         let image = renderer.frame(&settings, run)?.image;
         let frame_ms = frame_ms(renderer, &settings, run)?;
-        compared.push(one(renderer.scene(), &settings, (image, frame_ms), halves, run)?);
+        compared.push(one(
+            renderer.scene(),
+            &settings,
+            (image, frame_ms),
+            halves,
+            run,
+        )?);
     }
     Ok(compared)
 }
@@ -230,7 +236,8 @@ impl Tried {
         let tried = self.errors[which].clone();
         let variances = tried.iter().map(|(samples, error)| error * error * samples);
         let error_of_one = (variances.sum::<f64>() / tried.len() as f64).sqrt();
-        let samples = (error_of_one / error).powi(2);
+        let ratio = error_of_one / error;
+        let samples = ratio * ratio;
         AtEqualError {
             error_of_one,
             tried,
@@ -337,7 +344,9 @@ mod tests {
     #[test]
     fn noise_in_blocks_is_less_and_a_bias_is_not() {
         let reference = image(8, &[1.0; 64]);
-        let noisy: Vec<f32> = (0..64).map(|i| if (i + i / 8) % 2 == 0 { 1.1 } else { 0.9 }).collect();
+        let noisy: Vec<f32> = (0..64)
+            .map(|i| if (i + i / 8) % 2 == 0 { 1.1 } else { 0.9 })
+            .collect();
         let noisy = image(8, &noisy);
         assert!(difference(&reference, &noisy, 1).relative_rmse > 0.09);
         assert!(difference(&reference, &noisy, BLOCK).relative_rmse < 1e-6);
@@ -353,7 +362,10 @@ mod tests {
             seconds_a_sample: 2.0,
         };
         let found = tried.at_equal_error(0, 0.125);
-        assert_eq!((found.error_of_one, found.samples, found.seconds), (1.0, 64.0, 128.0));
+        assert_eq!(
+            (found.error_of_one, found.samples, found.seconds),
+            (1.0, 64.0, 128.0)
+        );
         assert_eq!(tried.at_equal_error(1, 0.05).samples, 4.0);
     }
 }

@@ -34,9 +34,7 @@ use crate::output::OutputError;
 use crate::relight::RenderError;
 use crate::report::ReportError;
 
-pub use frames::{
-    FrameTimes, LightCircle, NoLocalLight, Spread, StageTimes, time_frames,
-};
+pub use frames::{FrameTimes, LightCircle, NoLocalLight, Spread, StageTimes, time_frames};
 pub use report::{MainFigures, MeasuredReport, report};
 pub use run::ReportSettings;
 

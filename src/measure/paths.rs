@@ -51,7 +51,8 @@ pub(super) fn against_paths(
 ) -> Result<Vec<[LightAgainstPaths; 2]>, BakeError> {
     let vertices = random_vertices(subject.surface);
     let chosen = choose(lights);
-    run.progress.stage("paths at vertices", (chosen.len() * vertices.len()) as u64);
+    run.progress
+        .stage("paths at vertices", (chosen.len() * vertices.len()) as u64);
     chosen
         .into_iter()
         .map(|(kind, light)| {
@@ -74,9 +75,14 @@ pub(super) fn against_paths(
 /// Different vertices at random.
 fn random_vertices(surface: &Surface) -> Vec<u32> {
     let count = surface.vertices.len();
-    let mut keys: Vec<(f32, u32)> = (0..count as u32).map(|v| (uniform(SEED, v, 0), v)).collect();
+    let mut keys: Vec<(f32, u32)> = (0..count as u32)
+        .map(|v| (uniform(SEED, v, 0), v))
+        .collect();
     keys.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-    keys.into_iter().take(VERTICES).map(|(_, vertex)| vertex).collect()
+    keys.into_iter()
+        .take(VERTICES)
+        .map(|(_, vertex)| vertex)
+        .collect()
 }
 
 fn choose(lights: &[StudyLight]) -> Vec<(TestKind, &PlacedLight)> {

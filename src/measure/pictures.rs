@@ -45,11 +45,20 @@ pub(super) fn comparison(scene: &Scene, compared: &Compared) -> Result<Block, Me
             compared.flip.mean(),
             compared.flip_of_halves,
         ),
-        left: labelled("reference", &levels(&compared.reference), "the path-traced reference")?,
+        left: labelled(
+            "reference",
+            &levels(&compared.reference),
+            "the path-traced reference",
+        )?,
         right: labelled("frame", &levels(&compared.frame), "the relit frame")?,
         difference: Some(labelled(
             "FLIP",
-            &develop(&flip_picture(&compared.flip), Component::Albedo, 0.0, scene.render.tone),
+            &develop(
+                &flip_picture(&compared.flip),
+                Component::Albedo,
+                0.0,
+                scene.render.tone,
+            ),
             "where the two differ to an observer",
         )?),
     }))
@@ -57,7 +66,10 @@ pub(super) fn comparison(scene: &Scene, compared: &Compared) -> Result<Block, Me
 
 /// A map of FLIP as linear colours.
 fn flip_picture(flip: &FlipMap) -> Image {
-    let pixels = flip.values().iter().map(|&error| ramp(error / BRIGHTEST_FLIP));
+    let pixels = flip
+        .values()
+        .iter()
+        .map(|&error| ramp(error / BRIGHTEST_FLIP));
     Image::new(flip.width(), flip.height(), pixels.collect()).expect("a colour a pixel")
 }
 
@@ -84,19 +96,34 @@ pub(super) fn components(
         wanted.push((name.to_owned(), component, caption.to_owned()));
     };
     if has_light {
-        add("direct", Component::Direct, "Direct light, by shadow rays at the pixels.");
+        add(
+            "direct",
+            Component::Direct,
+            "Direct light, by shadow rays at the pixels.",
+        );
         add(
             "approximated-direct",
             Component::ApproximatedDirect,
             "Direct light as the bounces are given it: projected on the basis.",
         );
-        add("indirect", Component::Indirect, "Indirect light of all bounces.");
+        add(
+            "indirect",
+            Component::Indirect,
+            "Indirect light of all bounces.",
+        );
         add("global", Component::Global, "Direct and indirect light.");
     }
-    add("partitions", Component::Partitions, "Partitions of the basis, each in a colour of its own.");
+    add(
+        "partitions",
+        Component::Partitions,
+        "Partitions of the basis, each in a colour of its own.",
+    );
     let (surface, bake) = renderer.transfer();
     let basis = bake.map(|bake| looked_at(surface, bake, frame, run.level));
-    for (name, function, caption) in basis.iter().flat_map(|&(part, count)| functions(part, count)) {
+    for (name, function, caption) in basis
+        .iter()
+        .flat_map(|&(part, count)| functions(part, count))
+    {
         wanted.push((name, Component::Basis(function), caption));
     }
     let mut blocks = Vec::new();
@@ -162,7 +189,11 @@ fn functions(partition: u32, count: usize) -> Vec<(String, BasisFunction, String
     numbers.into_iter().map(one).collect()
 }
 
-fn labelled(label: &str, levels: &EncodedImage, alt: &str) -> Result<LabelledPicture, MeasureError> {
+fn labelled(
+    label: &str,
+    levels: &EncodedImage,
+    alt: &str,
+) -> Result<LabelledPicture, MeasureError> {
     Ok(LabelledPicture {
         label: label.to_owned(),
         image: png(levels)?,
@@ -180,15 +211,28 @@ mod tests {
 
     #[test]
     fn the_ramp_brightens_and_ends() {
-        let brightness: Vec<f32> = (0..=20).map(|i| ramp(i as f32 / 20.0).element_sum()).collect();
-        assert!(brightness.windows(2).all(|pair| pair[0] < pair[1]), "{brightness:?}");
+        let brightness: Vec<f32> = (0..=20)
+            .map(|i| ramp(i as f32 / 20.0).element_sum())
+            .collect();
+        assert!(
+            brightness.windows(2).all(|pair| pair[0] < pair[1]),
+            "{brightness:?}"
+        );
         assert_eq!(ramp(7.0), ramp(1.0));
     }
 
     #[test]
     fn small_partitions_have_no_function_twice() {
-        let numbers = |count| functions(3, count).into_iter().map(|f| f.0).collect::<Vec<_>>();
-        assert_eq!(numbers(20), ["function-0", "function-1", "function-18", "function-19"]);
+        let numbers = |count| {
+            functions(3, count)
+                .into_iter()
+                .map(|f| f.0)
+                .collect::<Vec<_>>()
+        };
+        assert_eq!(
+            numbers(20),
+            ["function-0", "function-1", "function-18", "function-19"]
+        );
         assert_eq!(numbers(2), ["function-0", "function-1"]);
         assert_eq!(numbers(1), ["function-0"]);
     }

@@ -121,7 +121,9 @@ fn main_figures(measured: &Measured) -> MainFigures {
         noise.map(|by_light| over_lights(&test_lights(&by_light), |_| true).mean)
     };
     let points = measured.sweeps.as_ref().and_then(coefficients);
-    let equal = points.map(|points| tables::at_equal_bytes(points, 0)).unwrap_or_default();
+    let equal = points
+        .map(|points| tables::at_equal_bytes(points, 0))
+        .unwrap_or_default();
     let bake_seconds = measured.bake_seconds * measured.threads as f64;
     MainFigures {
         vertices: measured.figures.vertices,
@@ -148,7 +150,11 @@ fn main_figures(measured: &Measured) -> MainFigures {
             .collect(),
         bake_seconds: measured.bake_seconds,
         threads: measured.threads,
-        seconds: measured.chapter_seconds.iter().map(|(_, seconds)| seconds).sum(),
+        seconds: measured
+            .chapter_seconds
+            .iter()
+            .map(|(_, seconds)| seconds)
+            .sum(),
     }
 }
 
@@ -168,7 +174,10 @@ fn image_figures(it: &Compared, bake_seconds: f64) -> ImageFigures {
 }
 
 fn coefficients(sweeps: &Sweeps) -> Option<&[super::sweeps::Point]> {
-    let found = sweeps.points.iter().find(|(swept, _)| *swept == Swept::Coefficients);
+    let found = sweeps
+        .points
+        .iter()
+        .find(|(swept, _)| *swept == Swept::Coefficients);
     found.map(|(_, points)| points.as_slice())
 }
 

@@ -136,7 +136,8 @@ impl Default for Chapters {
 impl Chapters {
     /// What went by since the last chapter belongs to this one.
     fn next(&mut self, chapter: &'static str) {
-        self.seconds.push((chapter, self.since.elapsed().as_secs_f64()));
+        self.seconds
+            .push((chapter, self.since.elapsed().as_secs_f64()));
         self.since = Instant::now();
     }
 }
@@ -168,7 +169,8 @@ fn transfer_chapters(
     let surface = Study::surface(renderer.scene(), bake, kept, run)?;
     let study = Study::new(&surface, bake, run)?;
     if !study.has_bounces() {
-        warnings.push("no surface of the scene sees another: there is no indirect light".to_owned());
+        warnings
+            .push("no surface of the scene sees another: there is no indirect light".to_owned());
         return Ok((None, None));
     }
     if !keeps_rays {
@@ -178,7 +180,13 @@ fn transfer_chapters(
         ));
     }
     let albedo = albedo(renderer.scene(), &surface);
-    let found = vertices(&study, &surface, (renderer.scene(), bake, &albedo), keeps_rays, run)?;
+    let found = vertices(
+        &study,
+        &surface,
+        (renderer.scene(), bake, &albedo),
+        keeps_rays,
+        run,
+    )?;
     clock.next("vertices");
     let sweeps = sweeps(&study, &found, keeps_rays, run)?;
     clock.next("sweeps");

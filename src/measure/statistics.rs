@@ -45,7 +45,10 @@ pub(super) fn root_of_difference(a: f64, b: f64) -> f64 {
 
 /// Statistics over the lights that `counts` chooses.
 pub(super) fn over_lights(errors: &ByLight, counts: impl Fn(usize) -> bool) -> LightErrors {
-    assert!(errors.len() <= LIGHTS, "at most as many lights as one test has");
+    assert!(
+        errors.len() <= LIGHTS,
+        "at most as many lights as one test has"
+    );
     let chosen = std::array::from_fn(|light| {
         let error = errors.get(light).copied().flatten();
         error.filter(|_| counts(light))
@@ -112,7 +115,10 @@ mod tests {
     fn lights_are_chosen_by_number() {
         let errors: ByLight = (0..32).map(|i| Some([f64::from(i), 0.5])).collect();
         let all = over_lights(&errors, |_| true);
-        assert_eq!((all.mean, all.p95, all.worst, all.signed), (15.5, 30.0, 31.0, 0.5));
+        assert_eq!(
+            (all.mean, all.p95, all.worst, all.signed),
+            (15.5, 30.0, 31.0, 0.5)
+        );
         let two = over_lights(&errors, |light| light < 2);
         assert_eq!((two.mean, two.worst), (0.5, 1.0));
     }

@@ -154,7 +154,12 @@ impl Sweeper<'_> {
             bake,
             level: run.level,
         };
-        let albedo: Vec<Vec3> = self.truth.albedo().iter().map(|&a| Vec3::splat(a)).collect();
+        let albedo: Vec<Vec3> = self
+            .truth
+            .albedo()
+            .iter()
+            .map(|&a| Vec3::splat(a))
+            .collect();
         let times = (0..TIMED).map(|_| {
             let start = Instant::now();
             let solved = transport.solve(&albedo, &albedo, Bounces::Count(BOUNCES));

@@ -13,7 +13,8 @@ use crate::report::{Axis, Block, Cell, Column, Mark, Plot, Row, Series, Style, T
 pub(super) const COMPARED_BYTES: [f64; 3] = [100.0, 130.0, 160.0];
 /// The word on rows and marks of the default settings.
 const DEFAULT: &str = "default";
-const EXTREME_NAMES: [&str; EXTREMES] = ["lamp 0.02 extents from a corner", "patch with a hard edge"];
+const EXTREME_NAMES: [&str; EXTREMES] =
+    ["lamp 0.02 extents from a corner", "patch with a hard edge"];
 const KINDS: [TestKind; 4] = [
     TestKind::Point,
     TestKind::Spot,
@@ -55,7 +56,10 @@ fn light_cells(errors: LightErrors) -> [Cell; 4] {
 
 /// Errors over the test lights.
 pub(super) fn vertex_errors(found: &Vertices) -> Block {
-    let noise = found.truth.noise().map(|it| over_lights(&test_lights(&it), |_| true));
+    let noise = found
+        .truth
+        .noise()
+        .map(|it| over_lights(&test_lights(&it), |_| true));
     let mut rows = Vec::new();
     for scheme in &found.schemes {
         for which in 0..2 {
@@ -80,7 +84,10 @@ pub(super) fn vertex_errors(found: &Vertices) -> Block {
 }
 
 fn name_cells(scheme: &SchemeResult, which: usize) -> Vec<Cell> {
-    vec![scheme.settings.scheme.name().into(), BOUNCE_NAMES[which].into()]
+    vec![
+        scheme.settings.scheme.name().into(),
+        BOUNCE_NAMES[which].into(),
+    ]
 }
 
 /// The same by kind of light.
@@ -109,7 +116,12 @@ pub(super) fn errors_by_kind(found: &Vertices) -> Block {
         Column::text("bounces"),
     ];
     columns.extend(light_columns());
-    table("vertex-errors-by-kind", "The same by kind of light.", columns, rows)
+    table(
+        "vertex-errors-by-kind",
+        "The same by kind of light.",
+        columns,
+        rows,
+    )
 }
 
 /// The two extremes.
@@ -137,7 +149,12 @@ pub(super) fn extremes(found: &Vertices) -> Block {
         percent("signed", 3),
         percent("noise of the truth", 2),
     ];
-    table("extreme-lights", "Lights beyond what the defaults are for, apart from the means above.", columns, rows)
+    table(
+        "extreme-lights",
+        "Lights beyond what the defaults are for, apart from the means above.",
+        columns,
+        rows,
+    )
 }
 
 /// Where the error after one bounce comes from.
@@ -175,7 +192,16 @@ pub(super) fn parts(found: &Vertices) -> Block {
 pub(super) fn paths(found: &Vertices) -> Block {
     let mut rows = Vec::new();
     for light in &found.paths {
-        for (scheme, LightAgainstPaths { kind, error, signed, noise }) in Scheme::ALL.iter().zip(light) {
+        for (
+            scheme,
+            LightAgainstPaths {
+                kind,
+                error,
+                signed,
+                noise,
+            },
+        ) in Scheme::ALL.iter().zip(light)
+        {
             rows.push(Row::plain(vec![
                 kind.name().into(),
                 scheme.name().into(),
@@ -258,14 +284,23 @@ pub(super) fn sweep_table(swept: Swept, points: &[Point]) -> Block {
         Column::number("four bounces", "ms", 2),
     ];
     let name = format!("sweep-{}", swept.name());
-    table(&name, "Means over the test lights.", columns, points.iter().map(row).collect())
+    table(
+        &name,
+        "Means over the test lights.",
+        columns,
+        points.iter().map(row).collect(),
+    )
 }
 
 /// The plots of a sweep.
 pub(super) fn sweep_plots(swept: Swept, points: &[Point]) -> Vec<Block> {
     let name = swept.name();
     let x = |point: &Point| swept.place(point);
-    let label = if swept == Swept::Coefficients { "entries a vertex" } else { name };
+    let label = if swept == Swept::Coefficients {
+        "entries a vertex"
+    } else {
+        name
+    };
     let mut series = by_scheme(points, &x, 0, Style::Line, "");
     match swept {
         Swept::Functions => {
@@ -279,7 +314,9 @@ pub(super) fn sweep_plots(swept: Swept, points: &[Point]) -> Vec<Block> {
                 });
             }
         }
-        Swept::Coefficients => series.extend(by_scheme(points, &x, 1, Style::Dashed, ", four bounces")),
+        Swept::Coefficients => {
+            series.extend(by_scheme(points, &x, 1, Style::Dashed, ", four bounces"))
+        }
         Swept::Rays => {}
     }
     let mut blocks = vec![error_plot(
@@ -306,7 +343,13 @@ pub(super) fn sweep_plots(swept: Swept, points: &[Point]) -> Vec<Block> {
             ),
         ] {
             let series = by_scheme(points, &value, 0, Style::Line, "");
-            blocks.push(error_plot(name, caption, axis, series, marks(points, &value)));
+            blocks.push(error_plot(
+                name,
+                caption,
+                axis,
+                series,
+                marks(points, &value),
+            ));
         }
     }
     blocks
@@ -364,8 +407,9 @@ pub(super) fn at_equal_bytes(points: &[Point], which: usize) -> Vec<(f64, [Optio
         .map(|bytes| {
             let errors = Scheme::ALL.map(|scheme| {
                 let of_scheme = points.iter().filter(|point| point.scheme == scheme);
-                let curve: Vec<(f64, f64)> =
-                    of_scheme.map(|p| (p.bytes_per_vertex, p.errors[which].mean)).collect();
+                let curve: Vec<(f64, f64)> = of_scheme
+                    .map(|p| (p.bytes_per_vertex, p.errors[which].mean))
+                    .collect();
                 between(&curve, bytes)
             });
             (bytes, errors)
@@ -419,7 +463,9 @@ pub(super) fn image_errors(compared: &[Compared]) -> Block {
             cells.push(in_percent(Rms { found, noise }.corrected()));
         }
         cells.extend([it.bias, it.bias_noise].map(in_percent));
-        cells.extend([it.flip.mean(), it.flip.percentile(95.0), it.flip_of_halves].map(Cell::Number));
+        cells.extend(
+            [it.flip.mean(), it.flip.percentile(95.0), it.flip_of_halves].map(Cell::Number),
+        );
         rows.push(Row::plain(cells));
     }
     let columns = vec![
@@ -436,7 +482,12 @@ pub(super) fn image_errors(compared: &[Compared]) -> Block {
         Column::number("FLIP, 95th percentile", "", 4),
         Column::number("FLIP of the reference's halves", "", 4),
     ];
-    table("image-errors", "Frames against the reference.", columns, rows)
+    table(
+        "image-errors",
+        "Frames against the reference.",
+        columns,
+        rows,
+    )
 }
 
 /// Time at equal error.
@@ -515,7 +566,9 @@ pub(super) fn path_errors(compared: &[Compared]) -> Block {
 impl Compared {
     pub(super) fn component_name(&self) -> &'static str {
         let known = crate::relight::COMPONENTS.iter();
-        let found = known.into_iter().find(|(_, component)| *component == self.component);
+        let found = known
+            .into_iter()
+            .find(|(_, component)| *component == self.component);
         found.map_or("light", |(name, _)| name)
     }
 }

@@ -108,7 +108,8 @@ impl Truth {
         let receivers = receivers(bake);
         let areas = surface.vertices.areas();
         let half = |which: usize| -> Result<VertexFields, BakeError> {
-            run.progress.stage("true rows", surface.vertices.len() as u64);
+            run.progress
+                .stage("true rows", surface.vertices.len() as u64);
             let rows = study.trace(ROW_SEEDS[which], ROW_RAYS, run)?;
             let mut brightness = times(&albedo, &direct);
             for _ in 1..BOUNCES {
@@ -117,7 +118,8 @@ impl Truth {
             }
             drop(rows);
             let fields = direct.beside(&brightness).beside(&many);
-            run.progress.stage("true last bounce", receivers.len() as u64);
+            run.progress
+                .stage("true last bounce", receivers.len() as u64);
             study.bounce_at(&receivers, [LAST_SEEDS[which], LAST_RAYS], &fields, run)
         };
         let halves = [half(0)?, half(1)?];
@@ -127,7 +129,10 @@ impl Truth {
             values: pairs.map(|(a, b)| 0.5 * (a + b)).collect(),
         };
         Ok(Self {
-            areas: receivers.iter().map(|&v| f64::from(areas[v as usize])).collect(),
+            areas: receivers
+                .iter()
+                .map(|&v| f64::from(areas[v as usize]))
+                .collect(),
             lights,
             direct,
             albedo,
@@ -247,7 +252,10 @@ fn by_many_points(
             let [many, few] = study.by_many_points_and_few(placed, MANY_POINTS, run.level);
             let sum = |values: &[f32]| values.iter().map(|&v| f64::from(v)).sum::<f64>();
             let scale = sum(&scaled) / sum(&few).max(f64::MIN_POSITIVE);
-            Ok(many.iter().map(|&e| (f64::from(e) * scale) as f32).collect())
+            Ok(many
+                .iter()
+                .map(|&e| (f64::from(e) * scale) as f32)
+                .collect())
         })
         .collect();
     Ok(VertexFields::of_columns(&columns?))
@@ -258,7 +266,9 @@ fn times(factors: &[f32], fields: &VertexFields) -> VertexFields {
     let rows = factors.iter().zip(fields.rows());
     VertexFields {
         width: fields.width,
-        values: rows.flat_map(|(f, row)| row.iter().map(move |v| f * v)).collect(),
+        values: rows
+            .flat_map(|(f, row)| row.iter().map(move |v| f * v))
+            .collect(),
     }
 }
 

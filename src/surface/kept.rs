@@ -42,7 +42,9 @@ impl KeptArrivals {
         count: u32,
     ) -> impl Iterator<Item = Option<Arrival>> {
         let first = vertex as usize * self.rays as usize;
-        self.sites[first..first + count as usize].iter().map(arrival)
+        self.sites[first..first + count as usize]
+            .iter()
+            .map(arrival)
     }
 }
 
