@@ -212,11 +212,6 @@ impl Truth {
         Self { halves, mean }
     }
 
-    /// The best that is known.
-    pub(crate) fn mean(&self) -> &Fields {
-        &self.mean
-    }
-
     /// Relative noise of the mean.
     fn noise(&self, receivers: &Receivers) -> [Option<[f64; 2]>; LIGHTS] {
         receivers.errors(&self.mean, &self.halves[0])
@@ -269,21 +264,6 @@ fn true_row(
         }
     }
     sums.map(|sum| sum / (rays - inside).max(1) as f32)
-}
-
-/// One bounce of the lights at every vertex by rays of a seed, slots.
-pub(crate) fn sampled_bounce(
-    surface: &Surface,
-    basis: &Basis,
-    level: Level,
-    [seed, rays]: [u32; 2],
-    fields: &Fields,
-) -> Fields {
-    (0..basis.slot_count() as u32)
-        .into_par_iter()
-        .with_min_len(16)
-        .map(|slot| true_row(surface, basis, level, [seed, slot], rays, fields))
-        .collect()
 }
 
 /// One bounce of the lights by the stored operator, slots.
@@ -367,26 +347,6 @@ pub(crate) fn audit(
     let stored = receivers.pick(&stored_bounce(bake, run.level, fields));
     let between = |right: &Fields, other: &Fields| LightErrors::of(&receivers.errors(right, other));
     let against_truth = |estimate: &Fields| LightErrors::of(&truth.errors(&receivers, estimate));
-    if std::env::var("DBG").is_ok() {
-        let t = truth.errors(&receivers, &stored);
-        let n = truth.errors(&receivers, &whole);
-        let bs = receivers.errors(&whole, &on_basis);
-        let tn = truth.noise(&receivers);
-        for l in 0..LIGHTS {
-            if let (Some(t), Some(n), Some(b), Some(tn)) = (t[l], n[l], bs[l], tn[l]) {
-                eprintln!(
-                    "{:?} {l}: total {:.2} ({:+.2}) noise {:.2} basis {:.2} truth {:.2}  max {:.1}",
-                    lights.kinds[l],
-                    t[0] * 100.0,
-                    t[1] * 100.0,
-                    n[0] * 100.0,
-                    b[0] * 100.0,
-                    tn[0] * 100.0,
-                    fields.iter().map(|f| f[l]).fold(0.0, f32::max)
-                );
-            }
-        }
-    }
     ErrorParts {
         total: against_truth(&stored),
         noise: against_truth(&whole),

@@ -64,6 +64,8 @@ impl Scratch {
 pub(super) struct Split {
     pub(super) near: Vec<(u32, [f32; GROUP])>,
     pub(super) remainder: Vec<(u32, [f32; GROUP])>,
+    /// Noise of the remainder's entries, where the transfer says it.
+    pub(super) remainder_noise: Vec<[f32; GROUP]>,
 }
 
 /// Near field: the senders with the largest sum over the group of T^2.
@@ -90,9 +92,12 @@ pub(super) fn near_split(transfer: &GroupTransfer, most: usize) -> Split {
             .filter(|&(_, &near)| near == wanted);
         chosen.map(|(&entry, _)| entry).collect::<Vec<_>>()
     };
+    let far = transfer.noise.iter().zip(&is_near);
+    let remainder_noise = far.filter(|&(_, &near)| !near).map(|(&noise, _)| noise);
     Split {
         near: pick(true),
         remainder: pick(false),
+        remainder_noise: remainder_noise.collect(),
     }
 }
 

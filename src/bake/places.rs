@@ -161,6 +161,21 @@ impl<'a> Places<'a> {
         is_finite
     }
 
+    /// Share of a light on the surfaces that hand light on which arrives at
+    /// another, 0 to 1.
+    pub(super) fn indirect_share(&self, brightness: &[f32]) -> f64 {
+        let (mut indirect, mut all) = (0.0, 0.0);
+        let areas = self.surface.vertices.areas();
+        for ((&b, &arrived), &area) in brightness.iter().zip(&self.arrived).zip(areas) {
+            if arrived > 0.0 {
+                let light = f64::from(area) * f64::from(b);
+                indirect += light * f64::from(arrived);
+                all += light;
+            }
+        }
+        if all > 0.0 { indirect / all } else { 0.0 }
+    }
+
     /// Irradiance of prior skies at the vertices, roughly: one that is the same
     /// everywhere, and a bright half of it about each axis. None in a closed
     /// scene.

@@ -29,6 +29,9 @@ const SEED: u32 = 0x7a45;
 pub(crate) struct GroupTransfer {
     /// (sender, its T_ij per receiver), ascending by sender; senders are slots.
     pub(crate) entries: Vec<(u32, [f32; GROUP])>,
+    /// What the first half of the rays found of each entry, less what the second
+    /// half found: as noisy as the entries, and nothing else.
+    pub(crate) noise: Vec<[f32; GROUP]>,
     /// r_i: share of the receiver's rays that arrived at a vertex.
     pub(crate) arrived: [f64; GROUP],
     /// Share of the receiver's rays that escaped.
@@ -78,6 +81,8 @@ impl Scratch {
 /// Dense rows of a group, a lane each, that remember where they are not empty.
 struct Dense {
     dense: Vec<[f32; GROUP]>,
+    /// The same of the first half of the rays less the second.
+    noise: Vec<[f32; GROUP]>,
     touched: Vec<u32>,
 }
 
@@ -85,35 +90,40 @@ impl Dense {
     fn new(length: usize) -> Self {
         Self {
             dense: vec![[0.0; GROUP]; length],
+            noise: vec![[0.0; GROUP]; length],
             touched: Vec::new(),
         }
     }
 
-    fn add(&mut self, slot: u32, lane: usize, weight: f32) {
+    fn add(&mut self, slot: u32, lane: usize, weight: f32, is_first_half: bool) {
         let entry = &mut self.dense[slot as usize];
         if *entry == [0.0; GROUP] {
             self.touched.push(slot);
         }
         entry[lane] += weight;
+        self.noise[slot as usize][lane] += if is_first_half { weight } else { -weight };
     }
 
-    /// Takes the entries out, scaled lane by lane, and leaves the scratch empty.
-    fn drain(&mut self, scales: &[f32; GROUP]) -> Vec<(u32, [f32; GROUP])> {
+    /// Takes the entries and their noise out, scaled lane by lane, and leaves the
+    /// scratch empty.
+    fn drain(&mut self, scales: &[f32; GROUP]) -> (Vec<(u32, [f32; GROUP])>, Vec<[f32; GROUP]>) {
         self.touched.sort_unstable();
         self.touched.dedup();
-        let dense = &mut self.dense;
+        let (dense, noise) = (&mut self.dense, &mut self.noise);
         self.touched
             .drain(..)
             .map(|slot| {
-                let mut weights = std::mem::take(&mut dense[slot as usize]);
-                weights
-                    .iter_mut()
-                    .zip(scales)
-                    .for_each(|(w, scale)| *w *= scale);
-                (slot, weights)
+                let scaled = |values: &mut [f32; GROUP]| {
+                    let mut values = std::mem::take(values);
+                    let lanes = values.iter_mut().zip(scales);
+                    lanes.for_each(|(w, scale)| *w *= scale);
+                    values
+                };
+                let weights = scaled(&mut dense[slot as usize]);
+                ((slot, weights), scaled(&mut noise[slot as usize]))
             })
-            .filter(|(_, weights)| *weights != [0.0; GROUP])
-            .collect()
+            .filter(|((_, weights), _)| *weights != [0.0; GROUP])
+            .unzip()
     }
 }
 
@@ -133,8 +143,8 @@ pub(crate) fn sample_group(
         add_sky(sampling, (vertex, lane), counts[lane], &open, scratch);
     }
     let scales = counts.map(|count| 1.0 / count.in_the_open(sampling.rays) as f32);
-    let entries = scratch.senders.drain(&scales);
-    let sky = scratch.cells.drain(&scales);
+    let (entries, noise) = scratch.senders.drain(&scales);
+    let (sky, _) = scratch.cells.drain(&scales);
     let mut arrived = [0.0; GROUP];
     for (_, weights) in &entries {
         for lane in 0..GROUP {
@@ -145,6 +155,7 @@ pub(crate) fn sample_group(
         |count: RayCounts| f64::from(count.escaped) / f64::from(count.in_the_open(sampling.rays));
     GroupTransfer {
         entries,
+        noise,
         arrived,
         escaped: counts.map(share),
         sky,
@@ -204,9 +215,9 @@ fn sample_row(sampling: &Sampling, vertex: u32, lane: usize, scratch: &mut Scrat
     let surface = sampling.surface;
     let mut counts = RayCounts::default();
     if let Some(kept) = kept_row(surface, sampling.rays) {
-        for arrival in kept.of_vertex(vertex, sampling.rays) {
-            match arrival {
-                Some(hit) => add_hit(sampling, hit, lane, scratch, &mut counts),
+        for (index, hit) in (0..).zip(kept.of_vertex(vertex, sampling.rays)) {
+            match hit {
+                Some(hit) => add_hit(sampling, (index, hit), lane, scratch, &mut counts),
                 None => counts.escaped += 1,
             }
         }
@@ -214,7 +225,7 @@ fn sample_row(sampling: &Sampling, vertex: u32, lane: usize, scratch: &mut Scrat
     }
     for (index, (direction, hit)) in row_rays(surface, sampling.level, vertex, sampling.rays) {
         match hit {
-            Some(hit) => add_hit(sampling, hit, lane, scratch, &mut counts),
+            Some(hit) => add_hit(sampling, (index, hit), lane, scratch, &mut counts),
             None => {
                 counts.escaped += 1;
                 scratch.escapes[lane].push((index, cell_of(direction) as u16));
@@ -224,10 +235,10 @@ fn sample_row(sampling: &Sampling, vertex: u32, lane: usize, scratch: &mut Scrat
     counts
 }
 
-/// Adds one hit to a receiver's lane.
+/// Adds one hit, of a ray with this number, to a receiver's lane.
 fn add_hit(
     sampling: &Sampling,
-    hit: Arrival,
+    (index, hit): (u32, Arrival),
     lane: usize,
     scratch: &mut Scratch,
     counts: &mut RayCounts,
@@ -238,10 +249,11 @@ fn add_hit(
         counts.inside += 1;
         return;
     }
+    let is_first_half = index < sampling.rays / 2;
     for (corner, weight) in corners.into_iter().zip(hit.barycentrics) {
         if corner != NONE && weight > 0.0 {
             let slot = sampling.slot_of_vertex[corner as usize];
-            scratch.senders.add(slot, lane, weight);
+            scratch.senders.add(slot, lane, weight, is_first_half);
         }
     }
 }
@@ -295,11 +307,12 @@ fn add_sky(
     let escapes = &scratch.escapes[lane];
     if needs_aim(sampling, escapes, share) {
         for (cell, share) in aimed_shares(sampling, vertex, escapes, open) {
-            scratch.cells.add(cell, lane, share * sampling.rays as f32);
+            let weight = share * sampling.rays as f32;
+            scratch.cells.add(cell, lane, weight, true);
         }
     } else {
         for &(_, cell) in escapes {
-            scratch.cells.add(u32::from(cell), lane, 1.0);
+            scratch.cells.add(u32::from(cell), lane, 1.0, true);
         }
     }
 }

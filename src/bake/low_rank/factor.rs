@@ -15,6 +15,10 @@ const OVERSAMPLING: usize = 8;
 /// Times that Y Y^T is applied after the first product: the spectrum falls off
 /// by itself, and what is left is noise of the rays.
 const POWER_STEPS: u32 = 2;
+/// Energy of a component over that of the noise along it, at least. Errors in
+/// per cent and entries a vertex at 0, 1, 3 and 10: cornell 2.41, 2.43, 2.57, -
+/// (50, 42, 31); window 5.96, -, 6.45, 6.94 (46, -, 25, 21).
+const SIGNAL_OVER_NOISE: f64 = 1.0;
 /// Seed of the start block.
 const SEED: u32 = 0x10f4;
 
@@ -49,6 +53,17 @@ impl Matrix {
         transposed
     }
 
+    /// The same with columns of zeros up to whole lanes.
+    fn padded(&self) -> Self {
+        let columns = self.columns.next_multiple_of(BLOCK_LANES);
+        let mut padded = Self::zero(self.rows, columns);
+        let rows = padded.values.chunks_exact_mut(columns);
+        for (out, row) in rows.zip(self.values.chunks_exact(self.columns)) {
+            out[..self.columns].copy_from_slice(row);
+        }
+        padded
+    }
+
     fn times(&self, level: Level, block: &Self) -> Self {
         let mut out = Self::zero(self.rows, block.columns);
         multiply(
@@ -70,12 +85,37 @@ pub(super) struct Factors {
     pub(super) left: Matrix,
     /// Columns of Y x rank: the transpose of U^T Y.
     pub(super) right: Matrix,
-    /// Squared singular values, descending.
+    /// Squared singular values less what noise alone has along each component;
+    /// they end where noise prevails.
     pub(super) energies: Vec<f64>,
 }
 
-/// The leading `rank` components of Y, fewer where it has not so many rows.
-pub(super) fn factorise(level: Level, y: &Matrix, rank: usize) -> Factors {
+/// The leading components of Y that are not noise, at most `rank`. `noise` is a
+/// matrix of the noise in Y alone.
+pub(super) fn factorise(level: Level, y: &Matrix, noise: &Matrix, rank: usize) -> Factors {
+    let mut factors = leading(level, y, rank);
+    if factors.energies.is_empty() {
+        return factors;
+    }
+    let left = factors.left.padded();
+    let noise = noise.transposed().times(level, &left);
+    let mut of_noise = vec![0.0_f64; factors.energies.len()];
+    for row in noise.values.chunks_exact(noise.columns) {
+        for (sum, &value) in of_noise.iter_mut().zip(row) {
+            *sum += f64::from(value) * f64::from(value);
+        }
+    }
+    let pairs = factors.energies.iter().zip(&of_noise);
+    let signal = pairs.map(|(&energy, &noise)| energy - noise);
+    let is_signal = |(signal, noise): &(f64, &f64)| *signal > **noise * SIGNAL_OVER_NOISE;
+    let kept = signal.zip(&of_noise).take_while(is_signal);
+    factors.energies = kept.map(|(signal, _)| signal).collect();
+    factors
+}
+
+/// The leading `rank` components of Y, fewer where it has not so many rows, with
+/// their squared singular values.
+fn leading(level: Level, y: &Matrix, rank: usize) -> Factors {
     if y.columns == 0 || y.rows == 0 || rank == 0 {
         return Factors::default();
     }
@@ -196,7 +236,7 @@ mod tests {
                 y.values[i * columns + k] = entry(i, k);
             }
         }
-        let factors = factorise(Level::detect(), &y, rank);
+        let factors = leading(Level::detect(), &y, rank);
         assert!(factors.energies.is_sorted_by(|a, b| a >= b));
         for i in 0..rows {
             for k in 0..columns {
@@ -218,9 +258,9 @@ mod tests {
         for (index, value) in y.values.iter_mut().enumerate() {
             *value = uniform(3, index as u32, 0) - 0.3;
         }
-        let scalar = factorise(Level::Scalar, &y, 12);
+        let scalar = leading(Level::Scalar, &y, 12);
         for level in [Level::Sse2, Level::Avx2] {
-            assert_eq!(factorise(level, &y, 12), scalar, "{level:?}");
+            assert_eq!(leading(level, &y, 12), scalar, "{level:?}");
         }
         assert_eq!(scalar.left.columns, 12);
     }
@@ -232,10 +272,10 @@ mod tests {
             columns: 4,
             values: (0..12).map(|i| uniform(4, i, 0)).collect(),
         };
-        let factors = factorise(Level::detect(), &y, 16);
+        let factors = leading(Level::detect(), &y, 16);
         assert_eq!(factors.energies.len(), 3);
         assert_eq!(
-            factorise(Level::detect(), &Matrix::default(), 16),
+            leading(Level::detect(), &Matrix::default(), 16),
             Factors::default()
         );
     }

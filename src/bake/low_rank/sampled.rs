@@ -137,6 +137,8 @@ struct FoundGroup {
     /// their functions.
     parts: Vec<u32>,
     coefficients: Vec<[f32; GROUP]>,
+    /// Noise of these coefficients.
+    noise: Vec<[f32; GROUP]>,
     sky: GroupRows,
     stats: GroupStats,
 }
@@ -165,9 +167,10 @@ impl Job<'_> {
             )
             .collect::<Result<_, _>>()?;
         let roots_of_area = self.roots_of_area(slots);
-        let (y, functions) = self.whitened(&found, &roots_of_area);
+        let (y, functions) = self.whitened(&found, &roots_of_area, |group| &group.coefficients);
+        let (noise, _) = self.whitened(&found, &roots_of_area, |group| &group.noise);
         let most = (self.budget.rank as f64 * MOST_RANK) as usize + MORE_RANK;
-        let factors = factorise(run.level, &y, most.min(y.rows));
+        let factors = factorise(run.level, &y, &noise, most.min(y.rows));
         let (factors, functions) = without_forgotten(factors, functions);
         let mut out = FoundPart {
             near: Vec::new(),
@@ -208,7 +211,10 @@ impl Job<'_> {
                 target
             };
         }
+        let slots = split.remainder.iter().map(|&(slot, _)| slot);
+        let noise: Vec<_> = slots.zip(split.remainder_noise).collect();
         let (parts, coefficients) = self.project(&split.remainder, &mut scratch.coefficients);
+        let (_, noise) = self.project(&noise, &mut scratch.coefficients);
         FoundGroup {
             near: NearGroup {
                 rows,
@@ -217,6 +223,7 @@ impl Job<'_> {
             },
             parts,
             coefficients,
+            noise,
             sky: self.sky.compress(&transfer, &mut scratch.sky),
             stats: GroupStats::of(&transfer, group.1 as usize),
         }
@@ -262,7 +269,12 @@ impl Job<'_> {
     }
 
     /// Y = sqrt(A) C sigma of a partition, and the functions of its columns.
-    fn whitened(&self, groups: &[FoundGroup], roots_of_area: &[f32]) -> (Matrix, Vec<u32>) {
+    fn whitened(
+        &self,
+        groups: &[FoundGroup],
+        roots_of_area: &[f32],
+        of: impl Fn(&FoundGroup) -> &[[f32; GROUP]],
+    ) -> (Matrix, Vec<u32>) {
         let mut column_of_part = vec![u32::MAX; self.basis.part_count()];
         for &part in groups.iter().flat_map(|group| &group.parts) {
             column_of_part[part as usize] = 0;
@@ -282,7 +294,7 @@ impl Job<'_> {
             .map(|(i, g)| ((i, g.0), g.1))
         {
             let (index, group) = group;
-            let mut rest = group.coefficients.as_slice();
+            let mut rest = of(group);
             for &part in &group.parts {
                 let range = self.basis.function_range(part);
                 let (own, others) = rest.split_at(range.len());
