@@ -51,7 +51,9 @@ fn measured(arguments: &Measure, folder: &Path) -> Result<Report, CliError> {
     check_report_folder(folder)?;
     scene.camera.size = REPORT_SIZE;
     apply_frame(&mut scene, &arguments.frame);
+    let stem = arguments.scene.path.file_stem();
     let settings = ReportSettings {
+        name: stem.map_or_else(String::new, |stem| stem.to_string_lossy().into_owned()),
         frame: FrameSettings::of_scene(&scene),
         samples: arguments.spp,
     };

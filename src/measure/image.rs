@@ -67,7 +67,7 @@ pub(super) struct Compared {
     pub(super) bias: f64,
     pub(super) bias_noise: f64,
     pub(super) flip: FlipMap,
-    /// Between the halves of the reference: twice its variance, and more.
+    /// Mean between the halves of the reference, which differ by twice its noise.
     pub(super) flip_of_halves: f64,
     /// For pixels and for blocks.
     pub(super) paths: [AtEqualError; 2],
@@ -257,7 +257,7 @@ fn tried(
     run: &RunSettings,
 ) -> Result<Tried, MeasureError> {
     let mut errors = [Vec::new(), Vec::new()];
-    let mut seconds_a_sample = f64::NAN;
+    let mut times = Vec::new();
     for samples in TRIED_SAMPLES {
         let tracing = ReferenceSettings {
             camera: settings.camera,
@@ -268,8 +268,7 @@ fn tried(
         };
         let start = Instant::now();
         let image = on_one_thread(|| traced(scene, &tracing, run))??;
-        // The last has the most paths, and the least of what is no path.
-        seconds_a_sample = start.elapsed().as_secs_f64() / f64::from(samples);
+        times.push((f64::from(samples), start.elapsed().as_secs_f64()));
         for (which, side) in [1, BLOCK].into_iter().enumerate() {
             let found = difference(reference, &image, side).relative_rmse;
             let own = root_of_difference(found, noise[which].noise);
@@ -278,8 +277,20 @@ fn tried(
     }
     Ok(Tried {
         errors,
-        seconds_a_sample,
+        seconds_a_sample: seconds_a_sample(&times),
     })
+}
+
+/// What a path a pixel takes, from (paths, seconds) of growing pictures: the
+/// last less the first, so that preparing the scene does not count; the last
+/// alone where clocks are too coarse for that.
+fn seconds_a_sample(times: &[(f64, f64)]) -> f64 {
+    let (first, last) = (times[0], times[times.len() - 1]);
+    if last.1 > first.1 {
+        (last.1 - first.1) / (last.0 - first.0)
+    } else {
+        last.1 / last.0
+    }
 }
 
 fn on_one_thread<T: Send>(job: impl FnOnce() -> T + Send) -> Result<T, MeasureError> {
@@ -353,6 +364,15 @@ mod tests {
         let biased = image(8, &[1.1; 64]);
         let bias = difference(&reference, &biased, BLOCK);
         assert!((bias.relative_rmse - 0.1).abs() < 1e-6 && (bias.bias - 0.1).abs() < 1e-6);
+    }
+
+    #[test]
+    fn preparation_does_not_count_as_paths() {
+        assert_eq!(
+            seconds_a_sample(&[(4.0, 3.0), (16.0, 6.0), (32.0, 10.0)]),
+            0.25
+        );
+        assert_eq!(seconds_a_sample(&[(4.0, 3.0), (32.0, 3.0)]), 3.0 / 32.0);
     }
 
     #[test]

@@ -14,7 +14,7 @@ use crate::surface::{Surface, direct};
 /// Vertices that are looked at.
 pub(super) const VERTICES: usize = 300;
 /// Paths a vertex.
-pub(super) const PATHS: u32 = 2048;
+pub(super) const PATHS: u32 = 4096;
 /// Indirect bounces.
 pub(super) const BOUNCES: u32 = 4;
 /// Seed of the vertices and of the paths.

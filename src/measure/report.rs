@@ -102,7 +102,7 @@ pub fn report(
     let mut measured = measure(scene, settings, run)?;
     let figures = main_figures(&measured);
     let report = Report {
-        title: "Speed against error".to_owned(),
+        title: format!("{}: speed against error", measured.settings.name),
         summary: facts(&measured, &figures),
         sections: sections(&mut measured),
     };
@@ -228,7 +228,7 @@ fn facts(measured: &Measured, figures: &MainFigures) -> Vec<Fact> {
             &format!("FLIP, {}", image.component),
             format!("{:.4}", image.flip[0]),
             &format!(
-                "mean; 95th percentile {:.4}; the reference's halves differ by {:.4}",
+                "mean; 95th percentile {:.4}; between the reference's own halves {:.4}",
                 image.flip[1], image.flip_of_halves
             ),
         ));
@@ -249,7 +249,7 @@ fn facts(measured: &Measured, figures: &MainFigures) -> Vec<Fact> {
         &format!("by the clock, threads: {}", figures.threads),
     ));
     for warning in &measured.warnings {
-        facts.push(fact("warning", "look".to_owned(), warning));
+        facts.push(fact("warning", "note".to_owned(), warning));
     }
     facts
 }
@@ -397,7 +397,7 @@ fn image_section(image: &[Compared], measured: &Measured) -> Section {
                  sqrt(sum (frame - reference)^2 / sum reference^2) of linear light, bias the same \
                  of the sums; half the difference of the halves is the reference's noise, which \
                  is taken off in quadrature. FLIP is that of the developed frames, with the \
-                 reference's noise in it.",
+                 reference's noise in it: the halves differ by twice that noise.",
                 bounces(measured.settings.frame.bounces),
                 measured.settings.samples / 2 * 2,
             ),

@@ -23,8 +23,10 @@ const KEPT_VERTICES: usize = 20_000;
 const MOST_VERTICES: usize = 100_000;
 
 /// What a report is made with.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct ReportSettings {
+    /// What the scene is called.
+    pub name: String,
     /// Camera, size and bounces of the frames; the component does not matter.
     pub frame: FrameSettings,
     /// Paths a pixel of the reference, in two halves; at least 4.
@@ -104,7 +106,7 @@ pub(super) fn measure(
     let pictures = pictures::components(&mut renderer, &settings.frame, has_light, run)?;
     clock.next("pictures");
     Ok(Measured {
-        settings: *settings,
+        settings: settings.clone(),
         figures: renderer.figures(),
         threads: rayon::current_num_threads(),
         bake_seconds,

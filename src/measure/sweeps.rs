@@ -65,6 +65,7 @@ pub(super) struct Point {
     pub(super) scheme: Scheme,
     pub(super) is_default: bool,
     /// What the settings ask for.
+    pub(super) functions_asked: u32,
     pub(super) coefficients_asked: u32,
     pub(super) rays: u32,
     /// What the bake has.
@@ -105,7 +106,7 @@ impl Sweeper<'_> {
                 }
                 let settings = swept.put(settings, value);
                 let is_default = match swept {
-                    Swept::Functions => value as usize == default.functions,
+                    Swept::Functions => value == default.functions_asked,
                     Swept::Coefficients => value == default.coefficients_asked,
                     Swept::Rays => value == default.rays,
                 };
@@ -138,6 +139,7 @@ impl Sweeper<'_> {
         Point {
             scheme: settings.scheme,
             is_default: false,
+            functions_asked: settings.function_count(slots),
             coefficients_asked: settings.coefficients,
             rays: settings.rays,
             functions: bake.basis().function_count(),

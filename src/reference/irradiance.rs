@@ -1,6 +1,6 @@
 //! Indirect irradiance of vertices by paths.
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 use super::lights::Lights;
@@ -12,13 +12,16 @@ use crate::maths::sobol::ScrambledSobol;
 use crate::scene::{Bounces, PlacedLight, Scene};
 use crate::surface::{NONE, Surface, offset_origin};
 
+/// Independent batches of a vertex's paths.
+const BATCHES: u32 = 16;
+
 /// Which vertices, by how many paths.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct AtVertices<'a> {
     pub(crate) vertices: &'a [u32],
     /// Indirect bounces, at least 1.
     pub(crate) bounces: u32,
-    /// Paths a vertex.
+    /// Paths a vertex; a multiple of 16.
     pub(crate) samples: u32,
     pub(crate) seed: u32,
 }
@@ -28,8 +31,7 @@ pub(crate) struct AtVertices<'a> {
 pub(crate) struct AtVertex {
     /// Indirect irradiance, W/m2.
     pub(crate) irradiance: Vec3,
-    /// Its variance, the paths taken as independent; their points are better
-    /// spread than that.
+    /// Its variance, from the spread between batches of paths.
     pub(crate) variance: Vec3,
 }
 
@@ -71,41 +73,51 @@ pub(crate) fn indirect_irradiance(
 }
 
 impl Tracer<'_> {
+    /// The mean over batches of paths, each of a scrambled set of its own, whose
+    /// spread is the variance.
+    fn at_vertex(&self, vertex: u32) -> AtVertex {
+        let (mut sum, mut squares) = (DVec3::ZERO, DVec3::ZERO);
+        for batch in 0..BATCHES {
+            let mean = self.batch_at_vertex(vertex, batch);
+            sum += mean;
+            squares += mean * mean;
+        }
+        let count = f64::from(BATCHES);
+        let mean = sum / count;
+        let variance = (squares / count - mean * mean) / (count - 1.0);
+        AtVertex {
+            irradiance: mean.as_vec3(),
+            variance: variance.max(DVec3::ZERO).as_vec3(),
+        }
+    }
+
     /// pi x the mean radiance of cosine-weighted directions from the points of a
     /// vertex's area that are not inside a body.
-    fn at_vertex(&self, vertex: u32) -> AtVertex {
+    fn batch_at_vertex(&self, vertex: u32, batch: u32) -> DVec3 {
         let surface = self.surface;
-        let points = ScrambledSobol::new(self.settings.seed, vertex);
-        let (mut sum, mut squares) = (Vec3::ZERO.as_dvec3(), Vec3::ZERO.as_dvec3());
-        let mut count = 0.0;
-        for sample in 0..self.settings.samples {
+        let set = hash3(self.settings.seed, vertex, batch);
+        let points = ScrambledSobol::new(self.settings.seed, set);
+        let mut sum = DVec3::ZERO;
+        let mut count = 0;
+        for sample in 0..(self.settings.samples / BATCHES).max(1) {
             let u = points.point(sample);
             let from = surface.sample_point(vertex as usize, [u[0], u[1]]);
             let about_normal = cosine_direction(from.normal, [u[2], u[3]]);
             let direction = mirrored_above(about_normal, from.flat_normal);
-            count += 1.0;
+            count += 1;
             let Some(hit) = surface.arrival(self.level, &from, direction) else {
                 continue;
             };
             if surface.vertices.of_triangle(hit.triangle, hit.front) == [NONE; 3] {
-                count -= 1.0;
+                count -= 1;
                 continue;
             }
-            let path = hash3(self.settings.seed ^ 0x1a7d, vertex, sample);
+            let path = hash3(self.settings.seed ^ 0x1a7d, set, sample);
             let first = [3, 4].map(|dimension| uniform(path, 0, dimension));
             let origin = offset_origin(from.position, from.flat_normal, direction);
             let radiance = self.radiance_along((origin, direction), first, path);
-            let irradiance = radiance.as_dvec3() * std::f64::consts::PI;
-            sum += irradiance;
-            squares += irradiance * irradiance;
+            sum += radiance.as_dvec3() * std::f64::consts::PI;
         }
-        if count < 2.0 {
-            return AtVertex::default();
-        }
-        let mean = sum / count;
-        AtVertex {
-            irradiance: mean.as_vec3(),
-            variance: ((squares / count - mean * mean) / (count - 1.0)).as_vec3(),
-        }
+        sum / f64::from(count.max(1))
     }
 }
