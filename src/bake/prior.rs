@@ -3,6 +3,7 @@
 
 use super::RunSettings;
 use super::places::Places;
+use super::test_lights::CLEARANCE;
 use crate::maths::hash::uniform;
 use crate::maths::sampling::sphere_direction;
 use crate::scene::PlacedLight;
@@ -40,7 +41,7 @@ pub(super) fn unseen_lights(places: &Places) -> Vec<PlacedLight> {
         return Vec::new();
     }
     (0..UNSEEN_POINTS)
-        .map(|light| PlacedLight::unit_point(places.point([REPORTING_SEED, light])))
+        .map(|light| PlacedLight::unit_point(places.room_point([REPORTING_SEED, light], CLEARANCE)))
         .collect()
 }
 

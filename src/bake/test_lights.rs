@@ -23,7 +23,7 @@ pub(crate) const LIGHTS: usize = 32;
 pub(crate) type Fields = Vec<[f32; LIGHTS]>;
 
 /// Distance that points and spots keep from surfaces, extents.
-const CLEARANCE: f64 = 0.05;
+pub(super) const CLEARANCE: f64 = 0.05;
 /// Distance that spots are thrown over, extents, where there is so much room.
 const THROW: f64 = 0.25;
 /// Half angles of the spots in turn, degrees.

@@ -1,9 +1,8 @@
 use super::super::partition::{PartitionSettings, partition};
 use super::super::sample_graphs;
 use super::*;
-use crate::bake::{
-    BakeSettings, Importance, RunSettings, apply_rows, sampled_rows, spectral_basis,
-};
+use crate::bake::places::Places;
+use crate::bake::{BakeSettings, Importance, RunSettings, low_rank, spectral_basis};
 use crate::scene::sample_scenes::room_with_blocks;
 use crate::surface::{Detail, Surface};
 
@@ -197,10 +196,12 @@ fn renaming_partitions_changes_no_light() {
         [1.0 / (0.05 + distance * distance); 3]
     };
     let bounced = |basis: &Basis| -> Vec<f32> {
-        let importance = Importance::of(&surface, &run, basis).unwrap();
-        let (rows, ..) = sampled_rows(&surface, &settings, &run, basis, &importance).unwrap();
+        let places = Places::of(&surface, run.level);
+        let importance = Importance::of(&places, &run, basis).unwrap();
+        let (rows, ..) =
+            low_rank::sampled_rows(&surface, &settings, &run, basis, &importance).unwrap();
         let sent: Vec<[f32; 3]> = basis.vertex_of_slot().iter().map(|&v| bright(v)).collect();
-        let arrived = apply_rows(run.level, basis, &rows, &sent);
+        let arrived = rows.apply(run.level, basis, &sent);
         let slots = basis.slot_of_vertex().iter();
         slots.map(|&slot| arrived[slot as usize][0]).collect()
     };

@@ -121,8 +121,10 @@ fn leading(level: Level, y: &Matrix, rank: usize) -> Factors {
     }
     let width = (rank + OVERSAMPLING).min(y.rows);
     let transposed = y.transposed();
-    let start = Block::random(y.columns, width, SEED);
-    let mut basis = orthonormal(&y.times(level, &padded(&start)), width);
+    let mut basis = orthonormal(
+        &y.times(level, &padded(&Block::random(y.columns, width, SEED))),
+        width,
+    );
     for _ in 0..POWER_STEPS {
         let back = transposed.times(level, &padded(&basis));
         basis = orthonormal(&y.times(level, &back), width);

@@ -73,9 +73,12 @@ pub(in crate::bake) fn sampled_rows(
     if run.progress.cancelled() {
         return Err(BakeError::Cancelled);
     }
+    let mut parts_in_order: Vec<u32> = (0..basis.part_count() as u32).collect();
+    parts_in_order.sort_by_key(|&part| first_vertex(basis, part));
     let job = Job {
         surface,
         basis,
+        parts_in_order: &parts_in_order,
         sampling,
         importance,
         budget: Budget::of(settings.coefficients),
@@ -107,6 +110,9 @@ struct Job<'a> {
     importance: &'a Importance,
     budget: Budget,
     sky: &'a SkyRows<'a>,
+    /// Partitions by their first vertices: an order that does not depend on how
+    /// they are numbered, and nor do the sums over them then.
+    parts_in_order: &'a [u32],
 }
 
 /// One partition, sampled and factored.
@@ -280,10 +286,11 @@ impl Job<'_> {
             column_of_part[part as usize] = 0;
         }
         let mut functions: Vec<u32> = Vec::new();
-        for (part, column) in column_of_part.iter_mut().enumerate() {
+        for &part in self.parts_in_order {
+            let column = &mut column_of_part[part as usize];
             if *column == 0 {
                 *column = functions.len() as u32;
-                functions.extend(self.basis.function_range(part as u32).map(|k| k as u32));
+                functions.extend(self.basis.function_range(part).map(|k| k as u32));
             }
         }
         let mut y = Matrix::zero(roots_of_area.len(), functions.len());
@@ -394,6 +401,10 @@ impl Job<'_> {
             ),
         }
     }
+}
+
+fn first_vertex(basis: &Basis, part: u32) -> u32 {
+    basis.vertex_of_slot()[basis.slot_range(part).start]
 }
 
 /// One worker's memory.
