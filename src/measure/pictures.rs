@@ -173,6 +173,7 @@ fn looked_at(surface: &Surface, bake: &Bake, frame: &FrameSettings, level: Level
 fn functions(partition: u32, count: usize) -> Vec<(String, BasisFunction, String)> {
     let mut numbers = vec![0, 1, count.saturating_sub(2), count.saturating_sub(1)];
     numbers.retain(|&number| number < count);
+    numbers.sort_unstable();
     numbers.dedup();
     let one = |number: usize| {
         let caption = format!(
