@@ -25,8 +25,9 @@ const KINDS: [TestKind; 3] = [TestKind::Point, TestKind::Spot, TestKind::Sun];
 /// What one light showed.
 pub(super) struct LightAgainstPaths {
     pub(super) kind: TestKind,
-    /// Root mean square over the area, relative, the paths' own noise taken off.
-    pub(super) error: f64,
+    /// Root mean square over the area, relative: as found, and with the paths' own
+    /// noise taken off.
+    pub(super) errors: [f64; 2],
     /// Of the sum.
     pub(super) signed: f64,
     /// Standard error of the paths, relative: of a vertex and of the sum.
@@ -142,10 +143,10 @@ fn compared(
     }
     let all = f64::max(all, f64::MIN_POSITIVE);
     let total = f64::max(total, f64::MIN_POSITIVE);
-    let noise = f64::sqrt(variance / all);
+    let [found, noise] = [squares / all, variance / all].map(f64::sqrt);
     LightAgainstPaths {
         kind,
-        error: root_of_difference((squares / all).sqrt(), noise),
+        errors: [found, root_of_difference(found, noise)],
         signed: sum / total,
         noise: [noise, variance_of_sum.sqrt() / total],
     }

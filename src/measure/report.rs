@@ -355,7 +355,7 @@ fn sweep_section(sweeps: &Sweeps) -> Section {
         "Every point is a bake of its own, measured at the same vertices under the same lights; \
          what a sweep does not change has its default. Functions are those of the basis as \
          built: equal eigenvalues stay together. Bytes are those of the operator, without the \
-         basis."
+         basis. Milliseconds are the least of several tries on all threads, of the bounces alone."
             .to_owned(),
     ];
     if !sweeps.keeps_rays {
@@ -413,6 +413,7 @@ fn image_section(image: &[Compared], measured: &Measured) -> Section {
         ],
         blocks: vec![
             tables::image_errors(image),
+            tables::image_flip(image),
             tables::image_times(image, bake_seconds),
             tables::path_errors(image),
         ],

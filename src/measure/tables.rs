@@ -1,7 +1,6 @@
 //! Tables and plots of what was measured.
 
-use super::image::{Compared, Rms};
-use super::paths::LightAgainstPaths;
+use super::image::Compared;
 use super::run::{SchemeResult, Vertices};
 use super::statistics::{between, over_lights};
 use super::sweeps::{Point, Swept};
@@ -192,38 +191,27 @@ pub(super) fn parts(found: &Vertices) -> Block {
 pub(super) fn paths(found: &Vertices) -> Block {
     let mut rows = Vec::new();
     for light in &found.paths {
-        for (
-            scheme,
-            LightAgainstPaths {
-                kind,
-                error,
-                signed,
-                noise,
-            },
-        ) in Scheme::ALL.iter().zip(light)
-        {
-            rows.push(Row::plain(vec![
-                kind.name().into(),
-                scheme.name().into(),
-                in_percent(*error),
-                in_percent(*signed),
-                in_percent(noise[0]),
-                in_percent(noise[1]),
-            ]));
+        for (scheme, light) in Scheme::ALL.iter().zip(light) {
+            let mut cells = vec![light.kind.name().into(), scheme.name().into()];
+            let [found, own] = light.errors;
+            let figures = [found, light.noise[0], own, light.signed, light.noise[1]];
+            cells.extend(figures.map(in_percent));
+            rows.push(Row::plain(cells));
         }
     }
     let columns = vec![
         Column::text("light"),
         Column::text("scheme"),
-        percent("error", 2),
-        percent("signed", 3),
+        percent("found", 2),
         percent("standard error of the paths", 2),
+        percent("error without it", 2),
+        percent("signed", 3),
         percent("standard error of their sum", 3),
     ];
     table(
         "vertices-against-paths",
         "Indirect light of four bounces in the scene's colours at random vertices, against paths; \
-         the paths' standard error is taken off the error in quadrature.",
+         their standard error is taken off in quadrature.",
         columns,
         rows,
     )
@@ -453,40 +441,57 @@ pub(super) fn equal_bytes(points: &[Point]) -> Block {
     )
 }
 
-/// Errors of the frames.
+/// What the errors of [`Compared::rms`] are of.
+const MEANS: [&str; 2] = ["pixels", "8 x 8 blocks"];
+
+/// Errors of the frames in linear light.
 pub(super) fn image_errors(compared: &[Compared]) -> Block {
     let mut rows = Vec::new();
     for it in compared {
-        let mut cells = vec![it.component_name().into()];
-        for Rms { found, noise } in it.rms {
-            cells.extend([found, noise].map(in_percent));
-            cells.push(in_percent(Rms { found, noise }.corrected()));
+        for (means, rms) in MEANS.into_iter().zip(it.rms) {
+            let mut cells = vec![it.component_name().into(), means.into()];
+            cells.extend([rms.found, rms.noise, rms.corrected()].map(in_percent));
+            rows.push(Row::plain(cells));
         }
+        let mut cells = vec![it.component_name().into(), "whole picture (bias)".into()];
         cells.extend([it.bias, it.bias_noise].map(in_percent));
-        cells.extend(
-            [it.flip.mean(), it.flip.percentile(95.0), it.flip_of_halves].map(Cell::Number),
-        );
+        cells.push(Cell::Missing);
         rows.push(Row::plain(cells));
     }
     let columns = vec![
         Column::text("light"),
-        percent("relRMSE", 2),
-        percent("noise of the reference", 2),
-        percent("without it", 2),
-        percent("8 x 8 relRMSE", 2),
-        percent("8 x 8 noise", 2),
-        percent("8 x 8 without it", 2),
-        percent("bias", 3),
-        percent("noise of the bias", 3),
-        Column::number("FLIP, mean", "", 4),
-        Column::number("FLIP, 95th percentile", "", 4),
-        Column::number("FLIP of the reference's halves", "", 4),
+        Column::text("means of"),
+        percent("relRMSE", 3),
+        percent("noise of the reference", 3),
+        percent("without it", 3),
     ];
     table(
         "image-errors",
-        "Frames against the reference.",
+        "Linear light of frames against the reference.",
         columns,
         rows,
+    )
+}
+
+/// Errors of the frames as an observer sees them.
+pub(super) fn image_flip(compared: &[Compared]) -> Block {
+    let row = |it: &Compared| {
+        let mut cells = vec![it.component_name().into()];
+        let flip = [it.flip.mean(), it.flip.percentile(95.0), it.flip_of_halves];
+        cells.extend(flip.map(Cell::Number));
+        Row::plain(cells)
+    };
+    let columns = vec![
+        Column::text("light"),
+        Column::number("mean", "", 4),
+        Column::number("95th percentile", "", 4),
+        Column::number("mean between the reference's halves", "", 4),
+    ];
+    table(
+        "image-flip",
+        "FLIP of developed frames against the reference.",
+        columns,
+        compared.iter().map(row).collect(),
     )
 }
 
@@ -494,7 +499,7 @@ pub(super) fn image_errors(compared: &[Compared]) -> Block {
 pub(super) fn image_times(compared: &[Compared], bake_seconds: f64) -> Block {
     let mut rows = Vec::new();
     for it in compared {
-        for (which, means) in ["pixels", "8 x 8 blocks"].into_iter().enumerate() {
+        for (which, means) in MEANS.into_iter().enumerate() {
             let paths = &it.paths[which];
             rows.push(Row::plain(vec![
                 it.component_name().into(),
