@@ -17,8 +17,8 @@
 //! | `bake` | partitions, spectral basis, sampled transfer, compressed rows, bake file |
 //! | `relight` | direct light, bounces, rasterizer, shading |
 //! | `reference` | path tracer: the truth that everything is measured against |
-//! | `measure` | how long frames take |
 //! | `output` | PNG and EXR files, folders of files |
+//! | `measure` | how long frames take, and how wrong they are for it |
 //!
 //! ```no_run
 //! use relume::{FrameSettings, Renderer, RunSettings, Scene};

@@ -23,8 +23,8 @@ const ROOMS: [&str; 12] = [
     "bake",
     "relight",
     "reference",
-    "measure",
     "output",
+    "measure",
 ];
 /// The binary: `src/main.rs` and `src/cli/`.
 const BINARY: &str = "cli";

@@ -221,11 +221,6 @@ impl Truth {
         Self { halves, mean }
     }
 
-    /// The best that is known.
-    pub(crate) fn mean(&self) -> &Fields {
-        &self.mean
-    }
-
     /// Relative noise of the mean.
     fn noise(&self, receivers: &Receivers) -> [Option<[f64; 2]>; LIGHTS] {
         receivers.errors(&self.mean, &self.halves[0])
@@ -280,21 +275,6 @@ fn true_row(
     sums.map(|sum| sum / (rays - inside).max(1) as f32)
 }
 
-/// One bounce of the lights at every vertex by rays of a seed, slots.
-pub(crate) fn sampled_bounce(
-    surface: &Surface,
-    basis: &Basis,
-    level: Level,
-    [seed, rays]: [u32; 2],
-    fields: &Fields,
-) -> Fields {
-    (0..basis.slot_count() as u32)
-        .into_par_iter()
-        .with_min_len(16)
-        .map(|slot| true_row(surface, basis, level, [seed, slot], rays, fields))
-        .collect()
-}
-
 /// One bounce of the lights by the stored operator, slots.
 pub(crate) fn stored_bounce(bake: &Bake, level: Level, fields: &Fields) -> Fields {
     in_threes(fields, |radiosity| bake.apply(level, radiosity))
@@ -321,7 +301,7 @@ pub(super) fn in_threes(fields: &Fields, apply: impl Fn(&[[f32; 3]]) -> Vec<[f32
 }
 
 /// What the basis keeps of the lights: S S^T B, slots.
-fn smooth(basis: &Basis, level: Level, fields: &Fields) -> Fields {
+pub(super) fn smooth(basis: &Basis, level: Level, fields: &Fields) -> Fields {
     in_threes(fields, |values| {
         basis.reconstruct_rgb(&basis.project_rgb(level, values))
     })
@@ -390,7 +370,7 @@ pub(super) fn audit_at(
 
 /// What a group receives of the lights by its sampled rows, and by its near
 /// field and the rest of the rows on the basis.
-fn whole_and_on_basis(
+pub(super) fn whole_and_on_basis(
     rows: &GroupTransfer,
     near: usize,
     count: usize,

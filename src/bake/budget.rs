@@ -8,7 +8,7 @@
 
 use super::audit::{ErrorParts, Receivers, audit_at, in_threes};
 use super::basis::Basis;
-use super::low_rank::pilot_rows;
+use super::low_rank::{Task, pilot_rows};
 use super::operator::receiver_groups;
 use super::places::Places;
 use super::test_lights::TestLights;
@@ -175,14 +175,14 @@ impl<'a> Trial<'a> {
         let (surface, basis) = (self.surface, &self.basis);
         self.run.progress.stage("error budget", 1);
         let (settings, run) = (&self.settings, self.run);
-        let operator = pilot_rows(
+        let task = Task {
             surface,
             settings,
             run,
             basis,
-            &self.importance,
-            &self.is_pilot,
-        )?;
+            importance: &self.importance,
+        };
+        let operator = pilot_rows(task, &self.is_pilot)?;
         let stored =
             |fields: &_| in_threes(fields, |values| operator.apply(run.level, basis, values));
         let job = (surface, basis, settings, run);

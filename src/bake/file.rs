@@ -214,7 +214,10 @@ fn decode_payload(payload: &[u8]) -> Result<Bake, FileError> {
 
     let slot_count = basis.slot_count();
     let operator = match scheme {
-        Scheme::Relume => Operator::LowRank(input.low_rank(basis.function_count(), slot_count)?),
+        Scheme::Relume => {
+            let operator = input.low_rank(basis.function_count(), slot_count)?;
+            Operator::LowRank(Box::new(operator))
+        }
         Scheme::Paper => Operator::Paper(input.paper_rows(basis.function_count(), slot_count)?),
     };
     let sky = if input.rest.is_empty() {

@@ -46,6 +46,7 @@ mod sky;
 #[cfg(test)]
 mod sky_tests;
 mod stats;
+mod study;
 mod subspace;
 mod test_lights;
 mod transfer;
@@ -60,6 +61,7 @@ use budget::settings_for_error;
 use excitation::Excitation;
 use function_shares::functions_by_area;
 use graph::VertexGraph;
+use low_rank::Task;
 use neighbours::vertex_graph;
 use partition::{Partition, PartitionSettings, partition};
 use places::Places;
@@ -79,6 +81,8 @@ pub use scheme::{Partitioner, Scheme};
 pub use settings::{BakeSettings, FreeKeys};
 pub(crate) use sky::OPEN_SHARE;
 pub use stats::BakeStats;
+pub(crate) use study::{Study, StudyLight, VertexFields};
+pub(crate) use test_lights::{LIGHTS, TestKind};
 
 use crate::simd::Level;
 use crate::simd::rows::GroupSums;
@@ -150,9 +154,14 @@ impl Bake {
         let (operator, sky, stats) = match settings.scheme {
             Scheme::Relume => {
                 let importance = Importance::of(&places, run, &basis)?;
-                let (rows, sky, stats) =
-                    low_rank::sampled_rows(surface, settings, run, &basis, &importance)?;
-                (Operator::LowRank(rows), sky, stats)
+                let (rows, sky, stats) = low_rank::sampled_rows(Task {
+                    surface,
+                    settings,
+                    run,
+                    basis: &basis,
+                    importance: &importance,
+                })?;
+                (Operator::LowRank(Box::new(rows)), sky, stats)
             }
             Scheme::Paper => {
                 let (rows, sky, stats) = paper::sampled_rows(surface, settings, run, &basis)?;

@@ -88,7 +88,7 @@ impl Partitioner {
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Operator {
     /// A near field, and a low-rank product for the rest.
-    LowRank(LowRank),
+    LowRank(Box<LowRank>),
     /// A list a receiver, as published.
     Paper(PaperRows),
 }
@@ -110,13 +110,16 @@ impl Operator {
     /// Slots of the receivers that see nothing but the sky, or nothing at all.
     pub(super) fn without_senders(&self) -> Vec<Range<usize>> {
         match self {
-            Self::LowRank(LowRank { rows, .. }) => (0..rows.group_count())
-                .filter(|&group| rows.is_empty(group))
-                .map(|group| {
-                    let (first, count) = rows.receivers(group);
-                    first..first + count
-                })
-                .collect(),
+            Self::LowRank(operator) => {
+                let rows = &operator.rows;
+                (0..rows.group_count())
+                    .filter(|&group| rows.is_empty(group))
+                    .map(|group| {
+                        let (first, count) = rows.receivers(group);
+                        first..first + count
+                    })
+                    .collect()
+            }
             Self::Paper(rows) => rows.without_senders(),
         }
     }

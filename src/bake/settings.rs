@@ -83,7 +83,7 @@ impl BakeSettings {
     }
 
     /// Basis functions for so many vertices.
-    pub(super) fn function_count(&self, vertices: usize) -> u32 {
+    pub(crate) fn function_count(&self, vertices: usize) -> u32 {
         self.functions.unwrap_or_else(|| match self.scheme {
             Scheme::Relume => (vertices as f64 * FUNCTIONS_PER_1000 / 1000.0).ceil() as u32,
             Scheme::Paper => paper::FUNCTIONS,

@@ -41,7 +41,7 @@ const PATCH_RADIUS: f32 = 0.05;
 
 /// What a test light is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum TestKind {
+pub(crate) enum TestKind {
     /// A lamp in the room.
     Point,
     /// A spot of 30 or 20 degrees, aimed across the room.
@@ -54,7 +54,7 @@ pub enum TestKind {
 
 impl TestKind {
     /// The name that reports use.
-    pub fn name(self) -> &'static str {
+    pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Point => "point",
             Self::Spot => "spot",
@@ -143,7 +143,11 @@ impl TestLights {
 }
 
 /// A light with a place or a direction; `None` for a sky.
-fn light(places: &Places, kind: TestKind, [seed, number]: [u32; 2]) -> Option<PlacedLight> {
+pub(super) fn light(
+    places: &Places,
+    kind: TestKind,
+    [seed, number]: [u32; 2],
+) -> Option<PlacedLight> {
     let key = [seed, number];
     match kind {
         TestKind::Point => Some(PlacedLight::unit_point(places.room_point(key, CLEARANCE))),

@@ -26,7 +26,7 @@ pub(super) enum Command {
     Diff(Diff),
     /// Path-trace a scene: slow, and the truth to compare frames with.
     Reference(Reference),
-    /// Time relighting while a light moves; writes no picture.
+    /// Measure speed against error and write a report; or time relighting.
     Measure(Measure),
 }
 
@@ -120,6 +120,14 @@ pub(super) struct Measure {
     pub(super) scene: SceneArguments,
     #[command(flatten)]
     pub(super) frame: FrameArguments,
+    /// Folder for the report on speed and error, made if it is missing; open
+    /// report.html there. Bakes anew, whatever the cache has.
+    #[arg(short, long, value_name = "DIR")]
+    pub(super) output: Option<PathBuf>,
+    /// Paths a pixel of the report's path-traced reference.
+    #[arg(long, value_name = "N", default_value_t = DEFAULT_SPP,
+          value_parser = clap::value_parser!(u32).range(4..=MOST_SPP))]
+    pub(super) spp: u32,
     /// Frames to time: in each, the first point, spot or area light stands
     /// elsewhere on a circle of 5 % of the extent about its place.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MOST_FRAMES))]
@@ -203,6 +211,11 @@ pub(super) enum PixelLimit {
 
 /// Longest side of a picture, pixels.
 const LARGEST_SIDE: u32 = 16_384;
+/// Paths a pixel of a report's reference: they leave some 5 % of noise in the
+/// indirect light of a small lamp, and take a minute of one thread at 320x240.
+const DEFAULT_SPP: u32 = 512;
+/// Most paths a pixel of a report's reference.
+const MOST_SPP: i64 = 1 << 20;
 /// Most frames to time.
 const MOST_FRAMES: i64 = 100_000;
 /// Most bounces by number, as in the scene file.

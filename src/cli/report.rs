@@ -94,7 +94,7 @@ pub(super) fn add_figures(object: &mut Value, figures: &SceneFigures) {
 }
 
 /// Relative errors of indirect light over test lights.
-fn errors(errors: &LightErrors) -> Value {
+pub(super) fn errors(errors: &LightErrors) -> Value {
     json!({
         "mean": errors.mean,
         "p95": errors.p95,

@@ -331,6 +331,11 @@ impl Renderer {
         }
     }
 
+    /// The surface, and the bake once there is one.
+    pub(crate) fn transfer(&self) -> (&Surface, Option<&Bake>) {
+        (&self.surface, self.baked.as_ref().map(|baked| &baked.bake))
+    }
+
     /// Draws a frame; bakes first where the frame needs it.
     pub fn frame(
         &mut self,

@@ -4,6 +4,7 @@
 mod components;
 mod differences;
 mod info;
+mod measured_reports;
 mod mistakes;
 #[path = "../program/mod.rs"]
 mod program;

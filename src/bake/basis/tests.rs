@@ -198,8 +198,14 @@ fn renaming_partitions_changes_no_light() {
     let bounced = |basis: &Basis| -> Vec<f32> {
         let places = Places::of(&surface, run.level);
         let importance = Importance::of(&places, &run, basis).unwrap();
-        let (rows, ..) =
-            low_rank::sampled_rows(&surface, &settings, &run, basis, &importance).unwrap();
+        let (rows, ..) = low_rank::sampled_rows(low_rank::Task {
+            surface: &surface,
+            settings: &settings,
+            run: &run,
+            basis,
+            importance: &importance,
+        })
+        .unwrap();
         let sent: Vec<[f32; 3]> = basis.vertex_of_slot().iter().map(|&v| bright(v)).collect();
         let arrived = rows.apply(run.level, basis, &sent);
         let slots = basis.slot_of_vertex().iter();

@@ -12,10 +12,12 @@
 //! than the sampled rows that it was made of.
 
 mod factor;
+mod part;
 mod quantise;
 mod sampled;
 
-pub(super) use sampled::{Budget, pilot_rows, sampled_rows};
+pub(super) use part::Budget;
+pub(super) use sampled::{Task, pilot_rows, sampled_rows};
 
 use rayon::prelude::*;
 
