@@ -12,7 +12,7 @@ use super::pilot::{GroupView, SurveyJob, seconds_a_row};
 use super::scheme::{Partitioner, Scheme};
 use super::sky;
 use super::transfer::GROUP;
-use super::{Bake, BakeError, BakeSettings, RunSettings};
+use super::{Bake, BakeError, BakeSettings, RunSettings, low_rank};
 use crate::maths::cube_cells::CELL_COUNT;
 use crate::surface::Surface;
 
@@ -257,7 +257,34 @@ impl Entries {
         let basis = self.basis * (index(functions) + GROUP as f64);
         ((near + basis) * groups as f64) as usize + groups * (2 * GROUP * 4 + 3 * 4)
     }
+
+    /// Bytes of a near field and a product, as [`super::low_rank::LowRank::bytes`]
+    /// counts them.
+    fn low_rank_bytes(
+        self,
+        groups: usize,
+        senders: usize,
+        functions: usize,
+        parts: usize,
+    ) -> usize {
+        // The components of a group are a run: its functions have no numbers.
+        let rows = Self { basis: 0.0, ..self }.row_bytes(groups, senders, functions)
+            + (self.basis * GROUP as f64 * groups as f64) as usize
+            + groups * 4;
+        let component_groups = self.basis * parts as f64 / GROUP as f64;
+        let lists = Self {
+            near: 0.0,
+            basis: functions as f64 * LISTED_SHARE,
+        };
+        rows + functions * 4 + lists.row_bytes(component_groups.ceil() as usize, 0, functions)
+    }
 }
+
+/// Share of the components paid for that stand out of the noise of the rays, and
+/// share of all functions that a group of components lists: in cornell 0.68 and
+/// 0.34.
+const COMPONENTS_KEPT: f64 = 0.7;
+const LISTED_SHARE: f64 = 0.34;
 
 /// Bytes of the published table, as [`super::paper::PaperRows::bytes`] counts
 /// them, of so many coefficients a vertex.
@@ -296,7 +323,10 @@ fn with_sides(surface: &Surface, settings: &BakeSettings, run: &RunSettings) -> 
     let (groups, functions) = (pieces.group_count(), pieces.functions.iter().sum());
     let entries = surface_entries(views, settings);
     let row_bytes = match settings.scheme {
-        Scheme::Relume => entries.row_bytes(groups, vertices, functions),
+        Scheme::Relume => {
+            let parts: usize = pieces.parts.iter().sum();
+            entries.low_rank_bytes(groups, vertices, functions, parts)
+        }
         Scheme::Paper => paper_bytes(entries.basis, vertices, functions),
     };
     let sky_bytes = if has_sky {
@@ -316,7 +346,7 @@ fn with_sides(surface: &Surface, settings: &BakeSettings, run: &RunSettings) -> 
         + shared_tables * groups * RECEIVER_BYTES;
 
     let seconds_a_row = seconds_a_row(surface, settings.rays, run);
-    // The pilot groups of the bake are sampled twice. Compressing a row takes a
+    // The pilot groups of the sky are sampled twice. Compressing a row takes a
     // few per cent of the time of sampling it, and is left out.
     let rows = vertices + vertices.min(PILOT_GROUPS * GROUP);
     // Who chooses coefficients by |c| alone needs no prior lights.
@@ -359,7 +389,11 @@ fn surface_entries(views: &[GroupView], settings: &BakeSettings) -> Entries {
             |view: &GroupView| Entries::of_group(budget, view.most_senders, view.functions as f64);
         return Entries::mean(views.iter().map(of_group));
     }
-    let budget = Budget::of(settings.coefficients);
+    let own = low_rank::Budget::of(settings.coefficients);
+    let budget = Budget {
+        near: own.near,
+        basis: (own.rank as f64 * COMPONENTS_KEPT) as usize,
+    };
     let functions = |view: &GroupView| {
         let is_spending = view.most_senders > budget.near as f64;
         if is_spending {
