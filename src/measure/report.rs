@@ -1,7 +1,7 @@
 //! The report: what was measured, in words, tables, plots and pictures.
 
 use super::MeasureError;
-use super::image::{BLOCK, Compared, TIMED_FRAMES, TRIED_SAMPLES};
+use super::frame_errors::{BLOCK, Compared, TIMED_FRAMES, TRIED_SAMPLES};
 use super::paths::{PATHS, VERTICES};
 use super::run::{Measured, ReportSettings, Sweeps, Vertices, measure};
 use super::statistics::over_lights;
