@@ -108,6 +108,7 @@ fn main_figures(figures: &MainFigures) -> Value {
         "vertices": figures.vertices,
         "receivers": figures.receivers,
         "schemes": Value::Object(schemes.collect()),
+        "stated": figures.stated.as_ref().map(errors),
         "noise_of_truth": figures.truth_noise,
         "paper_over_relume": ratios.collect::<Vec<_>>(),
         "images": Value::Object(images.collect()),

@@ -10,14 +10,14 @@
 //! | `vertices` | indirect light at the vertices against many independent rays |
 //! | `paths` | the same at some vertices against the path tracer |
 //! | `sweeps` | error against functions, coefficients, bytes, rays, milliseconds |
-//! | `image` | frames against the path tracer, and its time at equal error |
+//! | `frame_errors` | frames against the path tracer, and its time at equal error |
 //! | `pictures` | frame beside reference, partitions, functions, components |
 //!
 //! Errors are those of both schemes in one run. The lights, the truth and the
 //! reference have seeds that no bake uses, to choose by or to state its error.
 
+mod frame_errors;
 mod frames;
-mod image;
 mod paths;
 mod pictures;
 mod report;

@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use super::MeasureError;
-use super::image::Compared;
+use super::frame_errors::Compared;
 use crate::bake::{Bake, RunSettings};
 use crate::frame::{EncodedImage, FlipMap, Image};
 use crate::maths::functions::linear_from_srgb;

@@ -1,7 +1,7 @@
 //! The report: what was measured, in words, tables, plots and pictures.
 
 use super::MeasureError;
-use super::image::{BLOCK, Compared, TIMED_FRAMES, TRIED_SAMPLES};
+use super::frame_errors::{BLOCK, Compared, TIMED_FRAMES, TRIED_SAMPLES};
 use super::paths::{PATHS, VERTICES};
 use super::run::{Measured, ReportSettings, Sweeps, Vertices, measure};
 use super::statistics::over_lights;
@@ -33,6 +33,9 @@ pub struct MainFigures {
     pub receivers: Option<usize>,
     /// By scheme.
     pub schemes: Vec<SchemeFigures>,
+    /// What the bake states of itself, by fewer receivers under other lights; one
+    /// bounce on white.
+    pub stated: Option<LightErrors>,
     /// Noise of the truth at the vertices, mean over lights, one bounce and four.
     pub truth_noise: Option<[f64; 2]>,
     /// (bytes a vertex, error of the published scheme over that of relume's own),
@@ -137,6 +140,7 @@ fn main_figures(measured: &Measured) -> MainFigures {
                 relight_ms: scheme.point.relight_ms,
             })
             .collect(),
+        stated: measured.figures.bake.map(|bake| bake.stats.errors.total),
         truth_noise: vertices.map(noise),
         ratios_at_equal_bytes: equal
             .into_iter()
@@ -216,6 +220,16 @@ fn facts(measured: &Measured, figures: &MainFigures) -> Vec<Fact> {
                 scheme.one_bounce.signed * 100.0,
                 percent(scheme.four_bounces.mean),
                 percent(scheme.four_bounces.p95),
+            ),
+        ));
+    }
+    if let Some(stated) = figures.stated {
+        facts.push(fact(
+            "error, stated",
+            percent(stated.mean),
+            &format!(
+                "by the bake itself, one bounce, other lights, fewer vertices; 95th percentile {}",
+                percent(stated.p95)
             ),
         ));
     }

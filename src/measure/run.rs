@@ -5,7 +5,7 @@ use std::time::Instant;
 use glam::Vec3;
 
 use super::MeasureError;
-use super::image::{self, Compared};
+use super::frame_errors::{self, Compared};
 use super::paths::{self, LightAgainstPaths, Subject};
 use super::pictures;
 use super::sweeps::{MOST_RAYS, Point, Sweeper, Swept};
@@ -93,7 +93,8 @@ pub(super) fn measure(
     let has_light = has_light(renderer.scene());
     let mut comparisons = Vec::new();
     let image = if has_light {
-        let found = image::against_paths(&mut renderer, &settings.frame, settings.samples, run)?;
+        let found =
+            frame_errors::against_paths(&mut renderer, &settings.frame, settings.samples, run)?;
         for compared in &found {
             comparisons.push(pictures::comparison(renderer.scene(), compared)?);
         }

@@ -1,7 +1,7 @@
 //! Tables of the chapter of frames.
 
 use super::{in_percent, percent, table};
-use crate::measure::image::Compared;
+use crate::measure::frame_errors::Compared;
 use crate::relight::COMPONENTS;
 use crate::report::{Axis, Block, Cell, Column, Mark, Plot, Row, Series, Style};
 
