@@ -129,7 +129,7 @@ fn compared(
     let (mut squares, mut all, mut variance) = (0.0, 0.0, 0.0);
     let (mut sum, mut total, mut variance_of_sum) = (0.0, 0.0, 0.0);
     for (&vertex, path) in vertices.iter().zip(paths) {
-        let area = f64::from(surface.vertices.areas()[vertex as usize]);
+        let area = f64::from(surface.vertices.open_area(vertex as usize));
         let right = path.irradiance.as_dvec3();
         let difference = irradiance[vertex as usize].as_dvec3() - right;
         let own = path.variance.as_dvec3().element_sum();

@@ -106,7 +106,6 @@ impl Truth {
         let direct = direct.beside(&study.extremes(bake.basis(), LIGHT_SEED));
         let many = by_many_points(study, &lights, &direct, run)?;
         let receivers = receivers(bake);
-        let areas = surface.vertices.areas();
         let half = |which: usize| -> Result<VertexFields, BakeError> {
             run.progress
                 .stage("true rows", surface.vertices.len() as u64);
@@ -131,7 +130,7 @@ impl Truth {
         Ok(Self {
             areas: receivers
                 .iter()
-                .map(|&v| f64::from(areas[v as usize]))
+                .map(|&v| f64::from(surface.vertices.open_area(v as usize)))
                 .collect(),
             lights,
             direct,
