@@ -17,8 +17,8 @@
 //! | `bake` | partitions, spectral basis, sampled transfer, compressed rows, bake file |
 //! | `relight` | direct light, bounces, rasterizer, shading |
 //! | `reference` | path tracer: the truth that everything is measured against |
-//! | `measure` | how long frames take |
 //! | `output` | PNG and EXR files, folders of files |
+//! | `measure` | how long frames take, and how wrong they are for it |
 //!
 //! ```no_run
 //! use relume::{FrameSettings, Renderer, RunSettings, Scene};
@@ -44,7 +44,10 @@ mod simd;
 mod surface;
 mod texture;
 
-pub use bake::{BakeError, BakeForecast, BakeSettings, BakeStats, Progress, RunSettings, Silent};
+pub use bake::{
+    BakeError, BakeForecast, BakeSettings, BakeStats, ErrorParts, FreeKeys, LightErrors,
+    Partitioner, Progress, RunSettings, Scheme, Silent,
+};
 pub use frame::{
     Difference, EncodedImage, FlipMap, HdrFlip, Image, ImageSizeError, PIXELS_PER_DEGREE,
     SizeMismatch, compare, count_beyond, flip, hdr_flip,

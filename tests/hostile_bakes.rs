@@ -8,7 +8,7 @@ use std::fs;
 use std::path::Path;
 
 use program::{only_bake, scene, temporary_folder};
-use relume::{FrameSettings, Override, Renderer, RunSettings, Scene};
+use relume::{FrameSettings, Override, Renderer, RunSettings, Scene, Scheme};
 
 /// Bytes before the payload, the last 32 of which are its checksum.
 const PAYLOAD_AT: usize = 84;
@@ -20,18 +20,23 @@ const STRIDE: usize = 97;
 /// Values that an index, an offset, a length or a float should not have.
 const HOSTILE: [u32; 3] = [u32::MAX, 0x7fff_0000, 1];
 
-/// A box of few vertices: hundreds of frames of it take seconds.
+/// A box of few vertices and functions: hundreds of frames of it take seconds.
 fn tiny_box() -> Scene {
-    let keys = ["bake.max_edge=2", "bake.rays=16", "camera.size=[16,12]"];
+    let keys = [
+        "bake.max_edge=2",
+        "bake.rays=16",
+        "bake.functions=12",
+        "camera.size=[16,12]",
+    ];
     let overrides = keys.map(|text| Override::parse(text).expect("the override is valid"));
     Scene::load(&scene("cornell"), &overrides).expect("the box can be loaded")
 }
 
 /// Draws a frame with the bakes in a folder; returns the warnings.
-fn draw(cache: &Path) -> Vec<String> {
+fn draw(scheme: Scheme, cache: &Path) -> Vec<String> {
     let scene = tiny_box();
     let settings = FrameSettings::of_scene(&scene);
-    let mut renderer = Renderer::new(scene, Some(cache));
+    let mut renderer = Renderer::with_scheme(scene, Some(cache), scheme);
     renderer
         .frame(&settings, &RunSettings::silent())
         .expect("a frame is drawn whatever the cache holds");
@@ -47,12 +52,12 @@ fn seal(bytes: &mut [u8]) {
 }
 
 /// Draws with a changed bake; whether it was refused.
-fn refused(path: &Path, change: impl FnOnce(&mut Vec<u8>), bytes: &[u8]) -> bool {
+fn refused(scheme: Scheme, path: &Path, change: impl FnOnce(&mut Vec<u8>), bytes: &[u8]) -> bool {
     let mut changed = bytes.to_vec();
     change(&mut changed);
     seal(&mut changed);
     fs::write(path, &changed).expect("the bake can be changed");
-    let warnings = draw(path.parent().expect("a bake lies in a folder"));
+    let warnings = draw(scheme, path.parent().expect("a bake lies in a folder"));
     let refused = warnings
         .iter()
         .any(|warning| warning.contains("baking anew"));
@@ -66,13 +71,18 @@ fn refused(path: &Path, change: impl FnOnce(&mut Vec<u8>), bytes: &[u8]) -> bool
 
 #[test]
 fn no_contents_crash_the_reader_or_the_kernels() {
+    Scheme::ALL.into_iter().for_each(no_contents_crash);
+}
+
+fn no_contents_crash(scheme: Scheme) {
     let folder = temporary_folder();
-    let first = draw(folder.path());
-    assert!(first.is_empty(), "nothing to warn of: {first:?}");
+    let first = draw(scheme, folder.path());
+    let about_the_cache = first.iter().any(|warning| warning.contains("stored"));
+    assert!(!about_the_cache, "nothing to warn of: {first:?}");
     let path = only_bake(folder.path());
     let bytes = fs::read(&path).expect("the bake can be read");
     assert!(
-        !refused(&path, |_| {}, &bytes),
+        !refused(scheme, &path, |_| {}, &bytes),
         "the sealed file as it was is used"
     );
 
@@ -82,7 +92,7 @@ fn no_contents_crash_the_reader_or_the_kernels() {
         let replace = |changed: &mut Vec<u8>| {
             changed[at..at + 4].copy_from_slice(&value.to_le_bytes());
         };
-        refusals += usize::from(refused(&path, replace, &bytes));
+        refusals += usize::from(refused(scheme, &path, replace, &bytes));
     }
     assert!(
         places.len() > 40 && refusals > 0,
@@ -93,8 +103,12 @@ fn no_contents_crash_the_reader_or_the_kernels() {
 
 #[test]
 fn lists_that_are_cut_or_missing_are_refused() {
+    Scheme::ALL.into_iter().for_each(cut_lists_are_refused);
+}
+
+fn cut_lists_are_refused(scheme: Scheme) {
     let folder = temporary_folder();
-    draw(folder.path());
+    draw(scheme, folder.path());
     let path = only_bake(folder.path());
     let bytes = fs::read(&path).expect("the bake can be read");
     for kept in [
@@ -107,15 +121,31 @@ fn lists_that_are_cut_or_missing_are_refused() {
     ] {
         let cut = |changed: &mut Vec<u8>| changed.truncate(PAYLOAD_AT + kept);
         assert!(
-            refused(&path, cut, &bytes),
+            refused(scheme, &path, cut, &bytes),
             "a payload of {kept} bytes is refused"
         );
     }
     let longer = |changed: &mut Vec<u8>| changed.push(0);
-    assert!(refused(&path, longer, &bytes), "a byte too many is refused");
+    assert!(
+        refused(scheme, &path, longer, &bytes),
+        "a byte too many is refused"
+    );
+    for tag in [2, u8::MAX] {
+        let other = |changed: &mut Vec<u8>| changed[PAYLOAD_AT + LENGTH] = tag;
+        assert!(
+            refused(scheme, &path, other, &bytes),
+            "a scheme that does not exist is refused"
+        );
+    }
+    let exchanged =
+        |changed: &mut Vec<u8>| changed[PAYLOAD_AT + LENGTH] = 1 - changed[PAYLOAD_AT + LENGTH];
+    assert!(
+        refused(scheme, &path, exchanged, &bytes),
+        "the lists of one scheme are not those of the other"
+    );
     let endless = |changed: &mut Vec<u8>| changed[PAYLOAD_AT..PAYLOAD_AT + LENGTH].fill(0xff);
     assert!(
-        refused(&path, endless, &bytes),
+        refused(scheme, &path, endless, &bytes),
         "a list longer than any memory is refused"
     );
 }

@@ -40,11 +40,15 @@ pub(crate) fn load_or_bake(
     let path = folder.map(|folder| folder.join(key.file_name()));
     let mut warnings = Vec::new();
     match load(surface, &key, path.as_deref()) {
-        Ok(Some(baked)) => return Ok(baked),
+        Ok(Some(mut baked)) => {
+            baked.warnings.extend(baked.bake.stats().shortfall());
+            return Ok(baked);
+        }
         Ok(None) => {}
         Err(problem) => warnings.push(format!("{problem}; baking anew")),
     }
     let bake = bake(surface, settings, run)?;
+    warnings.extend(bake.stats().shortfall());
     let bytes = encode(&bake, &key);
     if let Some(path) = &path
         && let Err(error) = write(path, &bytes)

@@ -4,7 +4,6 @@
 use super::basis::Basis;
 use super::rows::{FINE_BAND, GroupRows};
 use super::transfer::{GROUP, GroupTransfer};
-use super::witnesses::Witnesses;
 
 /// Share of a row's budget that goes to the near field: an eighth to a fifth
 /// is best, a half is worse than none (decision 4 of the design).
@@ -13,7 +12,7 @@ const NEAR_SHARE: f64 = 0.2;
 /// missing; they are kept first.
 const RESPONSE_RANGE: std::ops::RangeInclusive<f64> = 0.5..=2.0;
 /// Remainders below this share of a row are as good as none.
-const EMPTY_REMAINDER: f64 = 1e-7;
+pub(super) const EMPTY_REMAINDER: f64 = 1e-7;
 
 /// How a row's budget is spent.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -40,8 +39,6 @@ pub(super) struct Compressor<'a> {
     pub(super) basis: &'a Basis,
     /// sigma_k: RMS over prior lights of the light's coefficient.
     pub(super) sigma: &'a [f32],
-    /// What makes some partitions matter more to one group than to another.
-    pub(super) witnesses: Option<&'a Witnesses>,
     /// d = S^T 1.
     pub(super) constant: &'a [f32],
     pub(super) budget: Budget,
@@ -52,8 +49,6 @@ pub(super) struct Scratch {
     coefficients: Vec<[f32; GROUP]>,
     /// Parts that the current group receives from, ascending.
     parts: Vec<u32>,
-    /// sigma_k^2 as the current group has it; of functions of these parts.
-    importance: Vec<f32>,
 }
 
 impl Scratch {
@@ -61,27 +56,60 @@ impl Scratch {
         Self {
             coefficients: vec![[0.0; GROUP]; basis.function_count()],
             parts: Vec::new(),
-            importance: vec![0.0; basis.function_count()],
         }
     }
 }
 
 /// A group whose near field has been taken out.
-struct Split {
-    near: Vec<(u32, [f32; GROUP])>,
-    remainder: Vec<(u32, [f32; GROUP])>,
+pub(super) struct Split {
+    pub(super) near: Vec<(u32, [f32; GROUP])>,
+    pub(super) remainder: Vec<(u32, [f32; GROUP])>,
+    /// Noise of the remainder's entries, where the transfer says it.
+    pub(super) remainder_noise: Vec<[f32; GROUP]>,
+}
+
+/// Near field: the senders with the largest sum over the group of T^2.
+pub(super) fn near_split(transfer: &GroupTransfer, most: usize) -> Split {
+    let mut order: Vec<(f32, u32)> = transfer
+        .entries
+        .iter()
+        .enumerate()
+        .map(|(i, (_, weights))| (weights.iter().fold(0.0, |sum, w| sum + w * w), i as u32))
+        .collect();
+    let count = most.min(order.len());
+    if count < order.len() && count > 0 {
+        order.select_nth_unstable_by(count, |a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+    }
+    let mut is_near = vec![false; transfer.entries.len()];
+    order[..count]
+        .iter()
+        .for_each(|&(_, i)| is_near[i as usize] = true);
+    let pick = |wanted: bool| {
+        let chosen = transfer
+            .entries
+            .iter()
+            .zip(&is_near)
+            .filter(|&(_, &near)| near == wanted);
+        chosen.map(|(&entry, _)| entry).collect::<Vec<_>>()
+    };
+    let far = transfer.noise.iter().zip(&is_near);
+    let remainder_noise = far.filter(|&(_, &near)| !near).map(|(&noise, _)| noise);
+    Split {
+        near: pick(true),
+        remainder: pick(false),
+        remainder_noise: remainder_noise.collect(),
+    }
 }
 
 impl Compressor<'_> {
     /// Scores (sum over the group of (c sigma)^2) of all functions that a group
     /// receives from: what one threshold for the whole scene is chosen from.
     pub(super) fn scores(&self, transfer: &GroupTransfer, scratch: &mut Scratch) -> Vec<f32> {
-        let split = self.split(transfer);
+        let split = near_split(transfer, self.budget.near);
         self.project(&split.remainder, scratch);
-        self.weigh(transfer, scratch);
         let scores = self
             .touched(scratch)
-            .map(|k| score(k, scratch))
+            .map(|k| self.score(k, scratch))
             .filter(|&s| s > 0.0)
             .collect();
         self.clear(scratch);
@@ -95,9 +123,8 @@ impl Compressor<'_> {
         threshold: f32,
         scratch: &mut Scratch,
     ) -> GroupRows {
-        let split = self.split(transfer);
+        let split = near_split(transfer, self.budget.near);
         self.project(&split.remainder, scratch);
-        self.weigh(transfer, scratch);
         let mut rows = GroupRows::default();
         let near_sums = quantise_near(&split.near, &mut rows);
         let mut target = transfer.arrived;
@@ -109,43 +136,13 @@ impl Compressor<'_> {
         }
         let mut kept: Vec<u32> = self
             .touched(scratch)
-            .filter(|&k| score(k, scratch) >= threshold)
+            .filter(|&k| self.score(k, scratch) >= threshold)
             .map(|k| k as u32)
             .collect();
         self.keep_constants(&target, &mut kept, scratch);
         self.quantise_basis(&target, &near_sums, &kept, scratch, &mut rows);
         self.clear(scratch);
         rows
-    }
-
-    /// Near field: the senders with the largest sum over the group of T^2.
-    fn split(&self, transfer: &GroupTransfer) -> Split {
-        let mut order: Vec<(f32, u32)> = transfer
-            .entries
-            .iter()
-            .enumerate()
-            .map(|(i, (_, weights))| (weights.iter().fold(0.0, |sum, w| sum + w * w), i as u32))
-            .collect();
-        let count = self.budget.near.min(order.len());
-        if count < order.len() && count > 0 {
-            order.select_nth_unstable_by(count, |a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
-        }
-        let mut is_near = vec![false; transfer.entries.len()];
-        order[..count]
-            .iter()
-            .for_each(|&(_, i)| is_near[i as usize] = true);
-        let pick = |wanted: bool| {
-            let chosen = transfer
-                .entries
-                .iter()
-                .zip(&is_near)
-                .filter(|&(_, &near)| near == wanted);
-            chosen.map(|(&entry, _)| entry).collect::<Vec<_>>()
-        };
-        Split {
-            near: pick(true),
-            remainder: pick(false),
-        }
     }
 
     /// c_ik = sum_j R_ij S_jk for all functions of the parts that send.
@@ -173,22 +170,12 @@ impl Compressor<'_> {
             .flat_map(|part| self.basis.function_range(part))
     }
 
-    /// How much each function matters to the group.
-    fn weigh(&self, transfer: &GroupTransfer, scratch: &mut Scratch) {
-        let square = |k: usize| self.sigma[k] * self.sigma[k];
-        for &part in &scratch.parts {
-            for k in self.basis.function_range(part) {
-                scratch.importance[k] = square(k);
-            }
-        }
-        let weights = self
-            .witnesses
-            .map(|witnesses| witnesses.weights(self.basis, transfer));
-        for (part, weight) in weights.into_iter().flatten() {
-            for k in self.basis.function_range(part) {
-                scratch.importance[k] = square(k) * weight;
-            }
-        }
+    /// Sum over the group of (c sigma)^2.
+    fn score(&self, k: usize, scratch: &Scratch) -> f32 {
+        let squares = scratch.coefficients[k]
+            .iter()
+            .fold(0.0, |sum, c| sum + c * c);
+        squares * self.sigma[k] * self.sigma[k]
     }
 
     fn clear(&self, scratch: &mut Scratch) {
@@ -285,12 +272,8 @@ impl Compressor<'_> {
         }
         for lane in 0..GROUP {
             if target[lane] > 0.0 && responses[lane] <= 0.0 {
-                // Its constants were quantised away beside larger entries: the
-                // near field answers constant light for them.
-                let near = near_sums[lane];
-                if near > 0.0 {
-                    rows.near_steps[lane] *= ((near + target[lane]) / near) as f32;
-                }
+                // Its constants were quantised away beside larger entries.
+                near_answers(rows, lane, near_sums[lane], target[lane]);
             } else if target[lane] > 0.0 {
                 rows.basis_steps[lane] = (target[lane] / responses[lane]) as f32;
             }
@@ -298,15 +281,15 @@ impl Compressor<'_> {
     }
 }
 
-/// Sum over the group of (c sigma)^2.
-fn score(k: usize, scratch: &Scratch) -> f32 {
-    let squares = scratch.coefficients[k]
-        .iter()
-        .fold(0.0, |sum, c| sum + c * c);
-    squares * scratch.importance[k]
+/// Lets the near field of a lane, whose sum is `near`, answer constant light for
+/// what else should.
+pub(super) fn near_answers(rows: &mut GroupRows, lane: usize, near: f64, missing: f64) {
+    if near > 0.0 {
+        rows.near_steps[lane] *= ((near + missing) / near) as f32;
+    }
 }
 
-fn quantise(values: &[f32; GROUP], steps: &[f32; GROUP], band: f32) -> [i8; GROUP] {
+pub(super) fn quantise(values: &[f32; GROUP], steps: &[f32; GROUP], band: f32) -> [i8; GROUP] {
     let mut out = [0; GROUP];
     for lane in 0..GROUP {
         if steps[lane] > 0.0 {
@@ -320,7 +303,7 @@ fn quantise(values: &[f32; GROUP], steps: &[f32; GROUP], band: f32) -> [i8; GROU
 
 /// u8 weights with a step a receiver, scaled so that the sum is kept; returns
 /// the sums.
-fn quantise_near(near: &[(u32, [f32; GROUP])], rows: &mut GroupRows) -> [f64; GROUP] {
+pub(super) fn quantise_near(near: &[(u32, [f32; GROUP])], rows: &mut GroupRows) -> [f64; GROUP] {
     let mut largest = [0.0_f32; GROUP];
     let mut sums = [0.0_f64; GROUP];
     for (_, weights) in near {

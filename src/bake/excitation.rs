@@ -33,7 +33,11 @@ impl Excitation {
         }
     }
 
+    /// sigma_k; where no light brings anything, all functions matter alike.
     pub(super) fn sigma(self, light_count: usize) -> Vec<f32> {
+        if self.squares.iter().all(|&square| square == 0.0) {
+            return vec![1.0; self.squares.len()];
+        }
         let sigma: Vec<f64> = self
             .squares
             .iter()

@@ -1,20 +1,25 @@
 //! The bake file: one bake, checked when read.
 //!
 //! magic, format version, key, length and checksum of the payload, payload.
-//! The payload is a fixed sequence of lists of little-endian numbers, each
-//! behind its length; a later version appends lists (the low-rank remainder of
-//! the design) and raises the version.
+//! The payload is a sequence of lists of little-endian numbers, each behind its
+//! length; the first names the scheme, which decides what lists the transfer
+//! has. A later version appends lists (the low-rank remainder of the design) and
+//! raises the version.
 
 use thiserror::Error;
 
+use super::audit::ErrorParts;
 use super::basis::Basis;
 use super::key::BakeKey;
-use super::rows::{Indices, Rows};
+use super::low_rank::LowRank;
+use super::paper::PaperRows;
+use super::rows::{Columns, Indices, Rows};
+use super::scheme::{Operator, Partitioner, Scheme};
 use super::sky::Sky;
 use super::{Bake, BakeStats};
 
 const MAGIC: &[u8; 8] = b"relume\x1ab";
-const FORMAT_VERSION: u32 = 4;
+const FORMAT_VERSION: u32 = 6;
 /// Bytes before the payload: magic, version, key, length, checksum.
 const HEADER: usize = 8 + 4 + 32 + 8 + 32;
 
@@ -74,6 +79,7 @@ fn array<const N: usize>(bytes: &[u8]) -> [u8; N] {
 fn encode_payload(bake: &Bake) -> Vec<u8> {
     let mut out = Writer::default();
     let stats = &bake.stats;
+    out.list(&[stats.scheme.tag(), stats.partitioner.tag()]);
     out.list(&[stats.rays]);
     out.list(&[stats.threshold]);
     out.list(&[
@@ -84,6 +90,8 @@ fn encode_payload(bake: &Bake) -> Vec<u8> {
         stats.energy_mean,
         stats.energy_worst,
     ]);
+    out.list(&stats.errors.numbers());
+    out.list(stats.error_asked.as_slice());
     out.list(&bake.backs.iter().map(|&b| u8::from(b)).collect::<Vec<_>>());
 
     out.list(&bake.open_points);
@@ -93,7 +101,10 @@ fn encode_payload(bake: &Bake) -> Vec<u8> {
     out.list(&basis.function_counts);
     out.list(basis.values);
 
-    out.rows(&bake.rows);
+    match &bake.operator {
+        Operator::LowRank(operator) => out.low_rank(operator),
+        Operator::Paper(rows) => out.paper_rows(rows),
+    }
     // A closed scene has no byte for the sky.
     if let Some(sky) = &bake.sky {
         out.rows(sky.rows());
@@ -110,7 +121,7 @@ impl Writer {
         out.list(rows.near_steps.as_flattened());
         out.list(&rows.basis_offsets);
         out.list(&rows.coarse);
-        out.indices(&rows.functions);
+        out.columns(&rows.functions);
         out.list(rows.coefficients.as_flattened());
         out.list(rows.basis_steps.as_flattened());
         out.list(
@@ -121,10 +132,35 @@ impl Writer {
                 .collect::<Vec<u32>>(),
         );
     }
+
+    fn low_rank(&mut self, operator: &LowRank) {
+        self.list(&operator.scales);
+        self.list(&[operator.component_count() as u32]);
+        self.rows(&operator.components);
+        self.rows(&operator.rows);
+    }
+
+    fn paper_rows(&mut self, rows: &PaperRows) {
+        self.list(&rows.offsets);
+        self.indices(&rows.functions);
+        self.list(&rows.coefficients);
+        self.list(&[rows.step]);
+        self.list(&rows.alone.iter().map(|&a| u8::from(a)).collect::<Vec<_>>());
+    }
 }
 
 fn decode_payload(payload: &[u8]) -> Result<Bake, FileError> {
     let mut input = Reader { rest: payload };
+    let &[scheme, partitioner] = input.list::<u8>()?.as_slice() else {
+        return Err(FileError::Damaged);
+    };
+    let scheme = Scheme::ALL.into_iter().find(|s| s.tag() == scheme);
+    let partitioner = Partitioner::ALL
+        .into_iter()
+        .find(|p| p.tag() == partitioner);
+    let (Some(scheme), Some(partitioner)) = (scheme, partitioner) else {
+        return Err(FileError::Inconsistent("a scheme that does not exist"));
+    };
     let rays = *input.list::<u32>()?.first().ok_or(FileError::Damaged)?;
     let threshold = *input.list::<f32>()?.first().ok_or(FileError::Damaged)?;
     let shares = input.list::<f64>()?;
@@ -139,7 +175,17 @@ fn decode_payload(payload: &[u8]) -> Result<Bake, FileError> {
     else {
         return Err(FileError::Damaged);
     };
+    let errors = ErrorParts::from_numbers(&input.list()?).ok_or(FileError::Damaged)?;
+    let error_asked = match input.list::<f64>()?.as_slice() {
+        [] => None,
+        &[error] => Some(error),
+        _ => return Err(FileError::Damaged),
+    };
     let stats = BakeStats {
+        error_asked,
+        errors,
+        scheme,
+        partitioner,
         rays,
         threshold,
         arrived_share,
@@ -167,7 +213,13 @@ fn decode_payload(payload: &[u8]) -> Result<Bake, FileError> {
     }
 
     let slot_count = basis.slot_count();
-    let rows = input.rows(slot_count, basis.function_count(), slot_count)?;
+    let operator = match scheme {
+        Scheme::Relume => {
+            let operator = input.low_rank(basis.function_count(), slot_count)?;
+            Operator::LowRank(Box::new(operator))
+        }
+        Scheme::Paper => Operator::Paper(input.paper_rows(basis.function_count(), slot_count)?),
+    };
     let sky = if input.rest.is_empty() {
         None
     } else {
@@ -180,7 +232,7 @@ fn decode_payload(payload: &[u8]) -> Result<Bake, FileError> {
             backs,
             open_points,
             basis,
-            rows,
+            operator,
             sky,
             stats,
         })
@@ -225,6 +277,20 @@ impl Writer {
         items.iter().for_each(|item| item.write(&mut self.bytes));
     }
 
+    /// Runs, then listed functions; one of the two is empty.
+    fn columns(&mut self, columns: &Columns) {
+        match columns {
+            Columns::Listed(list) => {
+                self.list::<u32>(&[]);
+                self.indices(list);
+            }
+            Columns::Runs(first) => {
+                self.list(first);
+                self.indices(&Indices::Narrow(Vec::new()));
+            }
+        }
+    }
+
     /// Both widths in turn; one of the lists is empty.
     fn indices(&mut self, indices: &Indices) {
         match indices {
@@ -245,6 +311,22 @@ struct Reader<'a> {
 }
 
 impl Reader<'_> {
+    fn low_rank(&mut self, functions: usize, slots: usize) -> Result<LowRank, FileError> {
+        let scales = self.list()?;
+        let &[components] = self.list::<u32>()?.as_slice() else {
+            return Err(FileError::Damaged);
+        };
+        let components = components as usize;
+        let operator = LowRank {
+            scales,
+            components: self.rows(0, functions, components)?,
+            rows: self.rows(slots, components, slots)?,
+        };
+        let checked = operator.check(slots, functions);
+        checked.map_err(FileError::Inconsistent)?;
+        Ok(operator)
+    }
+
     /// Rows of `slot_count` receivers that name so many senders and functions.
     fn rows(
         &mut self,
@@ -261,7 +343,7 @@ impl Reader<'_> {
             near_steps: self.groups()?,
             basis_offsets: self.list()?,
             coarse: self.list()?,
-            functions: self.indices()?,
+            functions: self.columns()?,
             coefficients: self.groups()?,
             basis_steps: self.groups()?,
             receivers: self
@@ -269,6 +351,24 @@ impl Reader<'_> {
                 .chunks_exact(2)
                 .map(|pair| (pair[0], pair[1]))
                 .collect(),
+        };
+        rows.check(slot_count).map_err(FileError::Inconsistent)?;
+        Ok(rows)
+    }
+
+    /// Lists of `slot_count` receivers that name so many functions.
+    fn paper_rows(
+        &mut self,
+        function_count: usize,
+        slot_count: usize,
+    ) -> Result<PaperRows, FileError> {
+        let rows = PaperRows {
+            function_count,
+            offsets: self.list()?,
+            functions: self.indices()?,
+            coefficients: self.list()?,
+            step: *self.list()?.first().ok_or(FileError::Damaged)?,
+            alone: self.list::<u8>()?.into_iter().map(|a| a != 0).collect(),
         };
         rows.check(slot_count).map_err(FileError::Inconsistent)?;
         Ok(rows)
@@ -292,6 +392,15 @@ impl Reader<'_> {
         } else {
             Err(FileError::Damaged)
         }
+    }
+
+    fn columns(&mut self) -> Result<Columns, FileError> {
+        let (runs, listed) = (self.list::<u32>()?, self.indices()?);
+        Ok(if runs.is_empty() {
+            Columns::Listed(listed)
+        } else {
+            Columns::Runs(runs)
+        })
     }
 
     fn indices(&mut self) -> Result<Indices, FileError> {

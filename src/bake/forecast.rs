@@ -9,9 +9,10 @@ use super::function_shares::functions_by_area;
 use super::neighbours::vertex_graph;
 use super::operator::PILOT_GROUPS;
 use super::pilot::{GroupView, SurveyJob, seconds_a_row};
+use super::scheme::{Partitioner, Scheme};
 use super::sky;
 use super::transfer::GROUP;
-use super::{Bake, BakeError, BakeSettings, RunSettings};
+use super::{Bake, BakeError, BakeSettings, RunSettings, low_rank};
 use crate::maths::cube_cells::CELL_COUNT;
 use crate::surface::Surface;
 
@@ -22,6 +23,10 @@ const MOST_SIDE_RAYS: usize = 400_000;
 /// What a bake will be like, or is where it is in the cache already.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BakeForecast {
+    /// How the transfer is stored.
+    pub scheme: Scheme,
+    /// What cuts the mesh into partitions.
+    pub partitioner: Partitioner,
     /// Whether the bake exists: all figures are its own, and nothing is to do.
     pub cached: bool,
     /// Lighting vertices, both sides.
@@ -88,6 +93,8 @@ impl BakeForecast {
     pub(crate) fn of(bake: &Bake, file_bytes: usize) -> Self {
         let vertices = bake.basis().slot_count();
         Self {
+            scheme: bake.stats().scheme,
+            partitioner: bake.stats().partitioner,
             cached: true,
             vertices,
             back_vertices: vertices - bake.backs().len(),
@@ -97,9 +104,9 @@ impl BakeForecast {
             has_sky: bake.sky.is_some(),
             partitions: bake.basis().part_count(),
             functions: bake.basis().function_count(),
-            coefficients_per_vertex: bake.rows().coefficients_per_vertex(),
+            coefficients_per_vertex: bake.operator().coefficients_per_vertex(),
             bytes: file_bytes,
-            row_bytes: bake.rows().bytes(),
+            row_bytes: bake.operator().bytes(),
             sky_bytes: bake.sky_bytes(),
             peak_bytes: peak_bytes(vertices, file_bytes, LOADING_COPIES),
             seconds: 0.0,
@@ -147,14 +154,19 @@ struct Pieces {
 impl Pieces {
     /// Parts of a component count as equal in vertices and area.
     fn of(surface: &Surface, settings: &BakeSettings) -> Self {
-        let components = vertex_graph(surface).connected_components();
-        let mut component_of = vec![0; surface.vertices.len()];
+        let vertex_count = surface.vertices.len();
+        let components = match settings.scheme.partitioner() {
+            Partitioner::Relume => vertex_graph(surface).connected_components(),
+            // The parts of METIS hold small components together.
+            Partitioner::Metis => vec![(0..vertex_count as u32).collect()],
+        };
+        let mut component_of = vec![0; vertex_count];
         for (index, members) in components.iter().enumerate() {
             for &vertex in members {
                 component_of[vertex as usize] = index as u32;
             }
         }
-        let per_part = settings.vertices_per_part.max(1) as usize;
+        let per_part = settings.part_size(vertex_count).max(1) as usize;
         let parts_of = |size: usize| ((size + per_part / 2) / per_part).clamp(1, size.max(1));
         let parts: Vec<usize> = components.iter().map(|c| parts_of(c.len())).collect();
         let (mut part_areas, mut part_sizes) = (Vec::new(), Vec::new());
@@ -162,11 +174,14 @@ impl Pieces {
             let areas = members
                 .iter()
                 .map(|&v| surface.vertices.areas()[v as usize]);
-            let area: f64 = areas.map(f64::from).sum();
+            let area: f64 = match settings.scheme {
+                Scheme::Relume => areas.map(f64::from).sum(),
+                Scheme::Paper => parts as f64,
+            };
             part_areas.extend(std::iter::repeat_n(area / parts as f64, parts));
             part_sizes.extend(std::iter::repeat_n(members.len() / parts, parts));
         }
-        let total = settings.function_count(surface.vertices.len());
+        let total = settings.function_count(vertex_count);
         let of_parts = functions_by_area(&part_areas, &part_sizes, total);
         let mut rest = of_parts.as_slice();
         let mut functions = Vec::new();
@@ -242,6 +257,40 @@ impl Entries {
         let basis = self.basis * (index(functions) + GROUP as f64);
         ((near + basis) * groups as f64) as usize + groups * (2 * GROUP * 4 + 3 * 4)
     }
+
+    /// Bytes of a near field and a product, as [`super::low_rank::LowRank::bytes`]
+    /// counts them.
+    fn low_rank_bytes(
+        self,
+        groups: usize,
+        senders: usize,
+        functions: usize,
+        parts: usize,
+    ) -> usize {
+        // The components of a group are a run: its functions have no numbers.
+        let rows = Self { basis: 0.0, ..self }.row_bytes(groups, senders, functions)
+            + (self.basis * GROUP as f64 * groups as f64) as usize
+            + groups * 4;
+        let component_groups = self.basis * parts as f64 / GROUP as f64;
+        let lists = Self {
+            near: 0.0,
+            basis: functions as f64 * LISTED_SHARE,
+        };
+        rows + functions * 4 + lists.row_bytes(component_groups.ceil() as usize, 0, functions)
+    }
+}
+
+/// Share of the components paid for that stand out of the noise of the rays, and
+/// share of all functions that a group of components lists: in cornell 0.68 and
+/// 0.34.
+const COMPONENTS_KEPT: f64 = 0.7;
+const LISTED_SHARE: f64 = 0.34;
+
+/// Bytes of the published table, as [`super::paper::PaperRows::bytes`] counts
+/// them, of so many coefficients a vertex.
+fn paper_bytes(coefficients: f64, vertices: usize, functions: usize) -> usize {
+    let entry = if functions <= 1 << 16 { 3.0 } else { 5.0 };
+    (coefficients * entry * vertices as f64) as usize + vertices * 5 + 8
 }
 
 /// Bytes of a file that do not grow with the bake: header, figures, and lengths
@@ -273,13 +322,20 @@ fn with_sides(surface: &Surface, settings: &BakeSettings, run: &RunSettings) -> 
     let vertices = surface.vertices.len();
     let (groups, functions) = (pieces.group_count(), pieces.functions.iter().sum());
     let entries = surface_entries(views, settings);
-    let row_bytes = entries.row_bytes(groups, vertices, functions);
+    let row_bytes = match settings.scheme {
+        Scheme::Relume => {
+            let parts: usize = pieces.parts.iter().sum();
+            entries.low_rank_bytes(groups, vertices, functions, parts)
+        }
+        Scheme::Paper => paper_bytes(entries.basis, vertices, functions),
+    };
     let sky_bytes = if has_sky {
         sky_entries(views).row_bytes(groups, CELL_COUNT, sky::FUNCTIONS as usize)
     } else {
         0
     };
-    let tables = 1 + usize::from(has_sky);
+    let shares_lists = settings.scheme == Scheme::Relume;
+    let shared_tables = usize::from(shares_lists) + usize::from(has_sky);
     let bytes = FILE_FRAME_BYTES
         + surface.vertices.front_count()
         + vertices * (1 + 4)
@@ -287,14 +343,22 @@ fn with_sides(surface: &Surface, settings: &BakeSettings, run: &RunSettings) -> 
         + pieces.value_count() * 4
         + row_bytes
         + sky_bytes
-        + tables * groups * RECEIVER_BYTES;
+        + shared_tables * groups * RECEIVER_BYTES;
 
     let seconds_a_row = seconds_a_row(surface, settings.rays, run);
-    // The pilot groups of the bake are sampled twice. Compressing a row takes a
+    // The pilot groups of the sky are sampled twice. Compressing a row takes a
     // few per cent of the time of sampling it, and is left out.
     let rows = vertices + vertices.min(PILOT_GROUPS * GROUP);
-    let rays_a_vertex = RAYS_OF_OPEN_POINTS + RAYS_OF_BASIS + RAYS_OF_PRIOR_LIGHTS + RAYS_OF_ENERGY;
+    // Who chooses coefficients by |c| alone needs no prior lights.
+    let prior_lights = if shares_lists {
+        RAYS_OF_PRIOR_LIGHTS
+    } else {
+        0.0
+    };
+    let rays_a_vertex = RAYS_OF_OPEN_POINTS + RAYS_OF_BASIS + prior_lights + RAYS_OF_ENERGY;
     BakeForecast {
+        scheme: settings.scheme,
+        partitioner: settings.scheme.partitioner(),
         cached: false,
         vertices,
         back_vertices: vertices - surface.vertices.front_count(),
@@ -315,7 +379,21 @@ fn with_sides(surface: &Surface, settings: &BakeSettings, run: &RunSettings) -> 
 }
 
 fn surface_entries(views: &[GroupView], settings: &BakeSettings) -> Entries {
-    let budget = Budget::of(settings.coefficients);
+    if settings.scheme == Scheme::Paper {
+        // The largest of every vertex: nobody leaves anything to others.
+        let budget = Budget {
+            near: 0,
+            basis: settings.coefficients as usize,
+        };
+        let of_group =
+            |view: &GroupView| Entries::of_group(budget, view.most_senders, view.functions as f64);
+        return Entries::mean(views.iter().map(of_group));
+    }
+    let own = low_rank::Budget::of(settings.coefficients);
+    let budget = Budget {
+        near: own.near,
+        basis: (own.rank as f64 * COMPONENTS_KEPT) as usize,
+    };
     let functions = |view: &GroupView| {
         let is_spending = view.most_senders > budget.near as f64;
         if is_spending {

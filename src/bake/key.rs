@@ -1,10 +1,10 @@
 //! The key of a bake: a hash of what the bake reads, and only of that.
 
-use super::BakeSettings;
+use super::{BakeSettings, Scheme};
 use crate::surface::Surface;
 
 /// Changes whenever the same input gives another bake or the file another form.
-pub(super) const ALGORITHM_VERSION: u32 = 7;
+pub(super) const ALGORITHM_VERSION: u32 = 9;
 
 /// Content key of a bake.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -29,6 +29,19 @@ impl BakeKey {
             settings.vertices_per_part,
         ]);
         words(&functions);
+        // Without an error to reach, it is the same whether a key was set or not.
+        if let Some(error) = settings.error {
+            let bits = error.to_bits();
+            let free = settings.free;
+            words(&[bits as u32, (bits >> 32) as u32]);
+            words(&[free.rays, free.functions, free.coefficients].map(u32::from));
+        }
+        // Another partitioner makes another bake of the published scheme.
+        if settings.scheme == Scheme::Paper {
+            let [scheme, partitioner] =
+                [settings.scheme.tag(), settings.scheme.partitioner().tag()];
+            words(&[scheme, partitioner].map(u32::from));
+        }
         words(&[
             surface.mesh.positions.len() as u32,
             surface.mesh.triangles.len() as u32,

@@ -6,8 +6,13 @@
 //! serves all of them; albedo is not in it either.
 //!
 //! partition -> basis S -> sampled transfer T and sky X -> compressed rows -> bake file
+//!
+//! Two schemes ([`Scheme`]) differ in the partitions and in how rows are
+//! compressed: relume's own, and the published one in `paper`.
 
+mod audit;
 mod basis;
+mod budget;
 mod cache;
 mod compress;
 mod dense;
@@ -21,10 +26,13 @@ mod graph;
 mod inertia;
 mod key;
 mod laplacian;
+mod low_rank;
 mod neighbours;
 mod operator;
+mod paper;
 mod partition;
 mod pilot;
+mod places;
 mod prior;
 #[cfg(test)]
 mod response_tests;
@@ -32,42 +40,57 @@ mod rows;
 mod run;
 #[cfg(test)]
 mod sample_graphs;
+mod scheme;
 mod settings;
 mod sky;
 #[cfg(test)]
 mod sky_tests;
 mod stats;
+mod study;
 mod subspace;
+mod test_lights;
 mod transfer;
 mod window;
-mod witnesses;
 
 use rayon::prelude::*;
 use thiserror::Error;
 
+use audit::{AuditSize, audit};
 use basis::BasisError;
+use budget::settings_for_error;
 use excitation::Excitation;
 use function_shares::functions_by_area;
+use graph::VertexGraph;
+use low_rank::Task;
 use neighbours::vertex_graph;
-use operator::sampled_rows;
-use partition::{PartitionSettings, partition};
+use partition::{Partition, PartitionSettings, partition};
+use places::Places;
 use rows::Rows;
 use sky::Sky;
-use witnesses::Witnesses;
+use test_lights::TestLights;
 
+pub use audit::{ErrorParts, LightErrors};
 pub(crate) use basis::Basis;
 pub(crate) use cache::{Baked, CacheOutcome, load_or_bake, load_stored};
 pub use forecast::BakeForecast;
 pub(crate) use forecast::forecast;
 pub(crate) use pilot::escaped_share_of_fronts;
 pub use run::{Progress, RunSettings, Silent};
-pub use settings::BakeSettings;
+pub(crate) use scheme::Operator;
+pub use scheme::{Partitioner, Scheme};
+pub use settings::{BakeSettings, FreeKeys};
 pub(crate) use sky::OPEN_SHARE;
 pub use stats::BakeStats;
+pub(crate) use study::{Study, StudyLight, VertexFields};
+pub(crate) use test_lights::{LIGHTS, TestKind};
 
 use crate::simd::Level;
+use crate::simd::rows::GroupSums;
 use crate::surface::Surface;
 
+/// Seed of the lights that a bake states its error for. The prior lights, the
+/// search for an error and the reports have seeds of their own.
+const STATED_SEED: u32 = 0x57a7ed;
 /// Groups of eight receivers that one task of [`apply_rows`] takes.
 const GROUPS_PER_TASK: usize = 32;
 
@@ -79,7 +102,7 @@ pub(crate) struct Bake {
     /// Which points of each vertex's area are in the open, a bit each.
     open_points: Vec<u8>,
     basis: Basis,
-    rows: Rows,
+    operator: Operator,
     /// Light from the sky; `None` in a scene that is closed.
     sky: Option<Sky>,
     stats: BakeStats,
@@ -89,24 +112,15 @@ pub(crate) struct Bake {
 struct Importance {
     /// sigma_k: RMS over prior lights of the light's coefficient.
     sigma: Vec<f32>,
-    /// What some of these lights do to each partition.
-    witnesses: Witnesses,
 }
 
 impl Importance {
-    fn of(surface: &Surface, run: &RunSettings, basis: &Basis) -> Result<Self, BakeError> {
+    fn of(places: &Places, run: &RunSettings, basis: &Basis) -> Result<Self, BakeError> {
         let mut excitation = Excitation::new(basis);
-        let mut witnesses = Witnesses::new(basis);
-        let take = |light: prior::Prior, brightness: &[f32]| {
-            excitation.add(basis, run.level, brightness);
-            if light.is_witness {
-                witnesses.add(basis, brightness);
-            }
-        };
-        let light_count = prior::for_each(surface, run, take).ok_or(BakeError::Cancelled)?;
+        let take = |brightness: &[f32]| excitation.add(basis, run.level, brightness);
+        let light_count = prior::for_each(places, run, take).ok_or(BakeError::Cancelled)?;
         Ok(Self {
             sigma: excitation.sigma(light_count),
-            witnesses,
         })
     }
 }
@@ -131,27 +145,67 @@ impl Bake {
         settings: &BakeSettings,
         run: &RunSettings,
     ) -> Result<Self, BakeError> {
+        let places = Places::of(surface, run.level);
+        let settings = &match settings.scheme {
+            Scheme::Relume => settings_for_error(surface, &places, settings, run)?,
+            Scheme::Paper => *settings,
+        };
         let basis = spectral_basis(surface, settings, run)?;
-        let importance = Importance::of(surface, run, &basis)?;
-        let (rows, sky, stats) = sampled_rows(surface, settings, run, &basis, &importance)?;
+        let (operator, sky, stats) = match settings.scheme {
+            Scheme::Relume => {
+                let importance = Importance::of(&places, run, &basis)?;
+                let (rows, sky, stats) = low_rank::sampled_rows(Task {
+                    surface,
+                    settings,
+                    run,
+                    basis: &basis,
+                    importance: &importance,
+                })?;
+                (Operator::LowRank(Box::new(rows)), sky, stats)
+            }
+            Scheme::Paper => {
+                let (rows, sky, stats) = paper::sampled_rows(surface, settings, run, &basis)?;
+                (Operator::Paper(rows), sky, stats)
+            }
+        };
         let mut bake = Self {
             backs,
             open_points,
             basis,
-            rows,
+            operator,
             sky,
             stats,
         };
         run.progress.stage("energy", 1);
         bake.stats.largest_eigenvalue = energy::largest_eigenvalue(&bake, run.level);
-        let ratios = energy::energy_ratios(&bake, surface, run.level);
+        let ratios = energy::energy_ratios(&bake, surface, &places, run.level);
         (bake.stats.energy_mean, bake.stats.energy_worst) = (ratios.mean, ratios.worst);
+        bake.stats.errors = bake.stated_errors(&places, settings, run);
         Ok(bake)
+    }
+
+    /// The errors that the bake states of itself.
+    fn stated_errors(
+        &self,
+        places: &Places,
+        settings: &BakeSettings,
+        run: &RunSettings,
+    ) -> ErrorParts {
+        run.progress.stage("error", 1);
+        let lights = TestLights::of(places, &self.basis, STATED_SEED);
+        audit(
+            self,
+            places.surface(),
+            settings,
+            &lights,
+            AuditSize::SHORT,
+            run,
+        )
     }
 
     /// E = T~ B, irradiance from radiosity, both in slots, W/m2.
     pub(crate) fn apply(&self, level: Level, radiosity: &[[f32; 3]]) -> Vec<[f32; 3]> {
-        apply_rows(level, &self.basis, &self.rows, radiosity)
+        self.operator.apply(level, &self.basis, radiosity)
     }
 
     /// Irradiance of the sky in slots, W/m2, from H_m of every cell (pi x its
@@ -167,13 +221,10 @@ impl Bake {
             Some(sky) => sky.apply(level, cells),
             None => vec![[0.0; 3]; self.basis.slot_count()],
         };
-        for group in (0..self.rows.group_count()).filter(|&group| self.rows.is_empty(group)) {
-            let (first, count) = self.rows.receivers(group);
-            for slot in first..first + count {
-                let vertex = self.basis.vertex_of_slot()[slot];
-                if self.open_points[vertex as usize] != 0 {
-                    irradiance[slot] = unhidden(vertex);
-                }
+        for slot in self.operator.without_senders().into_iter().flatten() {
+            let vertex = self.basis.vertex_of_slot()[slot];
+            if self.open_points[vertex as usize] != 0 {
+                irradiance[slot] = unhidden(vertex);
             }
         }
         irradiance
@@ -199,9 +250,9 @@ impl Bake {
         &self.basis
     }
 
-    /// The compressed rows; [`Self::apply`] applies them.
-    pub(crate) fn rows(&self) -> &Rows {
-        &self.rows
+    /// The compressed transfer; [`Self::apply`] applies it.
+    pub(crate) fn operator(&self) -> &Operator {
+        &self.operator
     }
 
     /// What the bake says of itself.
@@ -210,20 +261,30 @@ impl Bake {
     }
 }
 
-/// Rows times a value a sender: what arrives at every receiver, in slots.
-fn apply_rows(level: Level, basis: &Basis, rows: &Rows, senders: &[[f32; 3]]) -> Vec<[f32; 3]> {
-    let light = basis.project_rgb(level, senders);
+/// Rows times a value a sender and a value a function: what arrives at every
+/// receiver, in slots.
+fn apply_rows(
+    level: Level,
+    rows: &Rows,
+    senders: &[[f32; 3]],
+    functions: &[[f32; 3]],
+) -> Vec<[f32; 3]> {
     let groups: Vec<_> = (0..rows.group_count())
         .into_par_iter()
         .with_min_len(GROUPS_PER_TASK)
-        .map(|group| rows.gather(level, group, senders, &light))
+        .map(|group| rows.gather(level, group, senders, functions))
         .collect();
-    let mut irradiance = Vec::new();
+    joined(rows, &groups)
+}
+
+/// The sums of all groups, a value a receiver.
+fn joined(rows: &Rows, groups: &[GroupSums]) -> Vec<[f32; 3]> {
+    let mut values = Vec::new();
     for (group, sums) in groups.iter().enumerate() {
         let (_, count) = rows.receivers(group);
-        irradiance.extend((0..count).map(|lane| [sums[0][lane], sums[1][lane], sums[2][lane]]));
+        values.extend((0..count).map(|lane| [sums[0][lane], sums[1][lane], sums[2][lane]]));
     }
-    irradiance
+    values
 }
 
 /// Partitions the vertices and finds each partition's lowest eigenvectors.
@@ -233,15 +294,11 @@ fn spectral_basis(
     run: &RunSettings,
 ) -> Result<Basis, BakeError> {
     let graph = vertex_graph(surface);
-    let weights = vec![1; surface.vertices.len()];
-    let parts = partition(
-        &graph,
-        &weights,
-        PartitionSettings {
-            vertices_per_part: settings.vertices_per_part,
-            ..PartitionSettings::default()
-        },
-    );
+    let part_size = settings.part_size(surface.vertices.len());
+    let parts = match settings.scheme {
+        Scheme::Relume => own_partition(&graph, part_size),
+        Scheme::Paper => paper::partition(&graph, part_size)?,
+    };
     let area_of = |v: &u32| f64::from(surface.vertices.areas()[*v as usize]);
     let areas: Vec<f64> = (0..parts.part_count())
         .map(|p| parts.members(p).iter().map(area_of).sum())
@@ -249,11 +306,11 @@ fn spectral_basis(
     let sizes: Vec<usize> = (0..parts.part_count())
         .map(|p| parts.members(p).len())
         .collect();
-    let counts = functions_by_area(
-        &areas,
-        &sizes,
-        settings.function_count(surface.vertices.len()),
-    );
+    let total = settings.function_count(surface.vertices.len());
+    let counts = match settings.scheme {
+        Scheme::Relume => functions_by_area(&areas, &sizes, total),
+        Scheme::Paper => paper::equal_functions(&sizes, total),
+    };
     run.progress.stage("spectral basis", sizes.len() as u64);
     Basis::build(
         &graph,
@@ -268,6 +325,15 @@ fn spectral_basis(
             BakeError::Basis(format!("partition {part}: {source}"))
         }
     })
+}
+
+/// Partitions by relume's own partitioner, every vertex alike.
+fn own_partition(graph: &VertexGraph, vertices_per_part: u32) -> Partition {
+    let settings = PartitionSettings {
+        vertices_per_part,
+        ..PartitionSettings::default()
+    };
+    partition(graph, &vec![1; graph.vertex_count()], settings)
 }
 
 /// The whole bake of a surface without a cache: back sides, then the operator.

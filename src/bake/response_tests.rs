@@ -2,6 +2,7 @@
 //! they are stored.
 
 use super::operator::{receiver_groups, vertices_of};
+use super::rows::Columns;
 use super::transfer::{GROUP, Sampling, sample_group};
 use super::*;
 use crate::scene::Scene;
@@ -32,16 +33,34 @@ fn responses(surface: &Surface, bake: &Bake) -> Vec<[f64; 3]> {
         slot_of_vertex: bake.basis.slot_of_vertex(),
         rays: bake.stats.rays,
     };
-    let constant = bake.basis.constant(level);
+    let (constant, rows) = low_rank(bake);
     let mut scratch = transfer::Scratch::new(bake.basis.slot_count());
     let mut found = Vec::new();
     for (index, group) in receiver_groups(&bake.basis).into_iter().enumerate() {
         let sampled = sample_group(&sampling, vertices_of(&bake.basis, group), &mut scratch);
-        let stored = stored_response(&bake.rows, index, &constant);
+        let stored = stored_response(rows, index, &constant);
         let lanes = 0..group.1 as usize;
         found.extend(lanes.map(|l| [sampled.arrived[l], stored[l], sampled.escaped[l]]));
     }
     found
+}
+
+/// What constant light of 1 makes of the components, and the rows that read them.
+fn low_rank(bake: &Bake) -> (Vec<f32>, &Rows) {
+    let Operator::LowRank(operator) = &bake.operator else {
+        panic!("the default scheme is the low-rank one");
+    };
+    let constant = bake.basis.constant(Level::detect());
+    let scaled = constant.iter().zip(&operator.scales);
+    let scaled: Vec<f32> = scaled.map(|(d, scale)| d * scale).collect();
+    let components = &operator.components;
+    let of_group = |group| {
+        let lanes = stored_response(components, group, &scaled);
+        let (_, count) = components.receivers(group);
+        lanes.into_iter().take(count)
+    };
+    let answers = (0..components.group_count()).flat_map(of_group);
+    (answers.map(|y| y as f32).collect(), &operator.rows)
 }
 
 /// What a group's stored rows make of constant light, in double precision.
@@ -50,8 +69,9 @@ pub(super) fn stored_response(rows: &Rows, group: usize, constant: &[f32]) -> [f
     let basis = range(&rows.basis_offsets);
     let coarse_end = basis.start + rows.coarse[group] as usize;
     let function = |entry: usize| match &rows.functions {
-        rows::Indices::Narrow(list) => usize::from(list[entry]),
-        rows::Indices::Wide(list) => list[entry] as usize,
+        Columns::Listed(rows::Indices::Narrow(list)) => usize::from(list[entry]),
+        Columns::Listed(rows::Indices::Wide(list)) => list[entry] as usize,
+        Columns::Runs(first) => first[group] as usize + (entry - basis.start),
     };
     std::array::from_fn(|lane| {
         let near = &rows.near_weights[range(&rows.near_offsets)];
@@ -74,7 +94,10 @@ pub(super) fn stored_response(rows: &Rows, group: usize, constant: &[f32]) -> [f
 }
 
 fn largest(values: impl Iterator<Item = f64>) -> f64 {
-    values.map(f64::abs).fold(0.0, f64::max)
+    values.fold(0.0, |largest, value| {
+        assert!(!value.is_nan(), "a value is not a number");
+        f64::max(largest, value.abs())
+    })
 }
 
 #[test]

@@ -1,7 +1,10 @@
-//! The compressed transfer operator: rows of eight receivers that share two
-//! lists, near field and basis coefficients.
+//! Compressed rows: eight receivers share two lists, near field and
+//! coefficients of a table of functions.
 //!
-//!   E_i = sum_near w_ij B_j + sum_basis c_ik b_k
+//!   E_i = sum_near w_ij B_j + sum_k c_ik b_k
+//!
+//! The functions are those of a basis, listed, or the components of a low-rank
+//! product, of which a group reads a run.
 //!
 //! w is u8 with a step a receiver; c is i8 with a step a receiver in two bands
 //! of magnitude: the coarse entries first, then the fine ones, whose step is
@@ -9,7 +12,7 @@
 
 use super::transfer::GROUP;
 use crate::simd::Level;
-use crate::simd::rows::{GroupSums, dot};
+use crate::simd::rows::{GroupSums, dot, dot_run};
 
 /// Ratio of the steps of the two bands.
 pub(crate) const FINE_BAND: f32 = 16.0;
@@ -37,7 +40,7 @@ pub(crate) enum Indices {
 }
 
 impl Indices {
-    fn for_table(len: usize) -> Self {
+    pub(super) fn for_table(len: usize) -> Self {
         if len <= 1 << 16 {
             Self::Narrow(Vec::new())
         } else {
@@ -45,7 +48,7 @@ impl Indices {
         }
     }
 
-    fn extend(&mut self, more: &[u32]) {
+    pub(super) fn extend(&mut self, more: &[u32]) {
         match self {
             Self::Narrow(list) => list.extend(more.iter().map(|&i| i as u16)),
             Self::Wide(list) => list.extend_from_slice(more),
@@ -76,6 +79,24 @@ impl Indices {
     }
 }
 
+/// Which functions a group's coefficients belong to.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum Columns {
+    /// Each is named.
+    Listed(Indices),
+    /// A run from this function on, by group.
+    Runs(Vec<u32>),
+}
+
+impl Columns {
+    fn bytes(&self) -> usize {
+        match self {
+            Self::Listed(list) => list.bytes(),
+            Self::Runs(first) => first.len() * 4,
+        }
+    }
+}
+
 /// The rows of all groups. Fields are checked against each other when a table
 /// is made, in memory or from a file.
 #[derive(Debug, Clone, PartialEq)]
@@ -90,7 +111,7 @@ pub(crate) struct Rows {
     pub(super) near_steps: Vec<[f32; GROUP]>,
     pub(super) basis_offsets: Vec<u32>,
     pub(super) coarse: Vec<u32>,
-    pub(super) functions: Indices,
+    pub(super) functions: Columns,
     pub(super) coefficients: Vec<[i8; GROUP]>,
     pub(super) basis_steps: Vec<[f32; GROUP]>,
     /// Slots of each group: the first, and how many.
@@ -105,6 +126,31 @@ impl Rows {
         receivers: Vec<(u32, u32)>,
         groups: &[GroupRows],
     ) -> Self {
+        let mut functions = Indices::for_table(function_count);
+        groups.iter().for_each(|g| functions.extend(&g.functions));
+        let functions = Columns::Listed(functions);
+        Self::join_columns(sender_count, function_count, receivers, groups, functions)
+    }
+
+    /// The same of groups whose coefficients belong to a run of functions each.
+    pub(super) fn join_runs(
+        sender_count: usize,
+        function_count: usize,
+        receivers: Vec<(u32, u32)>,
+        groups: &[GroupRows],
+        first_functions: Vec<u32>,
+    ) -> Self {
+        let runs = Columns::Runs(first_functions);
+        Self::join_columns(sender_count, function_count, receivers, groups, runs)
+    }
+
+    fn join_columns(
+        sender_count: usize,
+        function_count: usize,
+        receivers: Vec<(u32, u32)>,
+        groups: &[GroupRows],
+        functions: Columns,
+    ) -> Self {
         let mut rows = Self {
             sender_count,
             function_count,
@@ -114,7 +160,7 @@ impl Rows {
             near_steps: Vec::new(),
             basis_offsets: vec![0],
             coarse: Vec::new(),
-            functions: Indices::for_table(function_count),
+            functions,
             coefficients: Vec::new(),
             basis_steps: Vec::new(),
             receivers,
@@ -124,7 +170,6 @@ impl Rows {
             rows.near_weights.extend_from_slice(&group.near_weights);
             rows.near_steps.push(group.near_steps);
             rows.near_offsets.push(rows.near_weights.len() as u32);
-            rows.functions.extend(&group.functions);
             rows.coefficients.extend_from_slice(&group.coefficients);
             rows.coarse.push(group.coarse);
             rows.basis_steps.push(group.basis_steps);
@@ -157,22 +202,14 @@ impl Rows {
         {
             return Err("near field of the wrong length");
         }
-        if !offsets_fit(&self.basis_offsets, self.coefficients.len())
-            || self.functions.len() != self.coefficients.len()
-        {
+        if !offsets_fit(&self.basis_offsets, self.coefficients.len()) {
             return Err("coefficients of the wrong length");
         }
-        if self
-            .near
-            .largest()
-            .is_some_and(|i| i as usize >= self.sender_count)
-            || self
-                .functions
-                .largest()
-                .is_some_and(|i| i as usize >= self.function_count)
-        {
+        let near_fits = |index: u32| (index as usize) < self.sender_count;
+        if !self.near.largest().is_none_or(near_fits) {
             return Err("an index beyond its table");
         }
+        self.check_functions()?;
         let coarse_fits =
             |g: usize| self.coarse[g] <= self.basis_offsets[g + 1] - self.basis_offsets[g];
         if !(0..groups).all(coarse_fits) {
@@ -189,6 +226,33 @@ impl Rows {
             Ok(())
         } else {
             Err("receivers that do not cover the vertices")
+        }
+    }
+
+    fn check_functions(&self) -> Result<(), &'static str> {
+        match &self.functions {
+            Columns::Listed(list) => {
+                let fits = |index: u32| (index as usize) < self.function_count;
+                if list.len() != self.coefficients.len() {
+                    Err("coefficients of the wrong length")
+                } else if list.largest().is_none_or(fits) {
+                    Ok(())
+                } else {
+                    Err("an index beyond its table")
+                }
+            }
+            Columns::Runs(first) => {
+                let length = |g: usize| self.basis_offsets[g + 1] - self.basis_offsets[g];
+                let fits = |g: usize| {
+                    let end = u64::from(first[g]) + u64::from(length(g));
+                    end <= self.function_count as u64
+                };
+                if first.len() == self.receivers.len() && (0..first.len()).all(fits) {
+                    Ok(())
+                } else {
+                    Err("a run beyond its table")
+                }
+            }
         }
     }
 
@@ -230,20 +294,17 @@ impl Rows {
         );
         let coarse = basis.start..split;
         let fine = split..basis.end;
-        let coarse = gather_list(
-            level,
-            &self.functions,
-            coarse.clone(),
-            &self.coefficients[coarse],
-            light,
-        );
-        let fine = gather_list(
-            level,
-            &self.functions,
-            fine.clone(),
-            &self.coefficients[fine],
-            light,
-        );
+        let band = |range: std::ops::Range<usize>| {
+            let coefficients = &self.coefficients[range.clone()];
+            match &self.functions {
+                Columns::Listed(list) => gather_list(level, list, range, coefficients, light),
+                Columns::Runs(first) => {
+                    let start = first[group] as usize + (range.start - basis.start);
+                    dot_run(level, coefficients, &light[start..start + range.len()])
+                }
+            }
+        };
+        let (coarse, fine) = (band(coarse), band(fine));
         let (near_steps, basis_steps) = (&self.near_steps[group], &self.basis_steps[group]);
         let mut sums = near;
         for channel in 0..3 {

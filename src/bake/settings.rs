@@ -1,43 +1,92 @@
 //! Settings that change a bake's bits.
 
+use super::paper;
+use super::scheme::Scheme;
 use crate::scene::BakeKeys;
 
 /// Rays a vertex: leaves 2.8 % of sampling noise (decision 3 of the design).
 const RAYS: u32 = 1024;
 /// Basis functions for 1,000 vertices.
 const FUNCTIONS_PER_1000: f64 = 32.0;
-/// Coefficients a vertex, near field included.
-const COEFFICIENTS: u32 = 128;
+/// Coefficients a vertex: near field and components.
+const COEFFICIENTS: u32 = 64;
 /// Vertices a partition: 48 to 64 partitions at 35,000 vertices (decision 8).
 const VERTICES_PER_PART: u32 = 600;
 
 /// Settings of a bake, resolved against their defaults.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BakeSettings {
+    /// How the transfer is stored.
+    pub scheme: Scheme,
     /// Rays a lighting vertex.
     pub rays: u32,
-    /// Basis functions in all; `None`: 32 for 1,000 vertices.
+    /// Basis functions in all; `None`: 32 for 1,000 vertices, in the published
+    /// scheme 1,024.
     pub functions: Option<u32>,
-    /// Coefficients a vertex in the mean, near field included.
+    /// Coefficients a vertex in the mean, near field included; in the published
+    /// scheme the most that a vertex keeps.
     pub coefficients: u32,
-    /// Vertices a partition.
+    /// Vertices a partition; the published scheme has a rule of its own (500
+    /// below 10,000 vertices, 1,000 from there on).
     pub vertices_per_part: u32,
+    /// Error of indirect light to reach, relative: keys that are free follow
+    /// from it. `None`: the defaults, whatever error they have.
+    pub error: Option<f64>,
+    /// Which keys the search for an error may change.
+    pub free: FreeKeys,
+}
+
+/// Keys of a bake that nobody has set.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct FreeKeys {
+    /// `rays`.
+    pub rays: bool,
+    /// `functions`.
+    pub functions: bool,
+    /// `coefficients`.
+    pub coefficients: bool,
 }
 
 impl BakeSettings {
-    /// The settings that `[bake]` asks for.
+    /// The settings that `[bake]` asks for, in relume's own scheme.
     pub fn of_keys(keys: &BakeKeys) -> Self {
+        Self::of_scheme(Scheme::Relume, keys)
+    }
+
+    /// The settings that `[bake]` asks for, with the defaults of a scheme.
+    pub fn of_scheme(scheme: Scheme, keys: &BakeKeys) -> Self {
+        let coefficients = match scheme {
+            Scheme::Relume => COEFFICIENTS,
+            Scheme::Paper => paper::COEFFICIENTS,
+        };
         Self {
+            scheme,
             rays: keys.rays.unwrap_or(RAYS),
             functions: keys.functions,
-            coefficients: keys.coefficients.unwrap_or(COEFFICIENTS),
+            coefficients: keys.coefficients.unwrap_or(coefficients),
             vertices_per_part: VERTICES_PER_PART,
+            error: keys.error,
+            free: FreeKeys {
+                rays: keys.rays.is_none(),
+                functions: keys.functions.is_none(),
+                coefficients: keys.coefficients.is_none(),
+            },
+        }
+    }
+
+    /// Vertices a partition in a scene of so many.
+    pub(super) fn part_size(&self, vertices: usize) -> u32 {
+        match self.scheme {
+            Scheme::Relume => self.vertices_per_part,
+            Scheme::Paper => paper::vertices_per_part(vertices),
         }
     }
 
     /// Basis functions for so many vertices.
-    pub(super) fn function_count(&self, vertices: usize) -> u32 {
-        self.functions
-            .unwrap_or_else(|| (vertices as f64 * FUNCTIONS_PER_1000 / 1000.0).ceil() as u32)
+    pub(crate) fn function_count(&self, vertices: usize) -> u32 {
+        self.functions.unwrap_or_else(|| match self.scheme {
+            Scheme::Relume => (vertices as f64 * FUNCTIONS_PER_1000 / 1000.0).ceil() as u32,
+            Scheme::Paper => paper::FUNCTIONS,
+        })
     }
 }

@@ -58,7 +58,8 @@ impl Sky {
 
     /// Irradiance in slots, W/m2, from H_m of the cells.
     pub(super) fn apply(&self, level: Level, cells: &[[f32; 3]]) -> Vec<[f32; 3]> {
-        super::apply_rows(level, &self.basis, &self.rows, cells)
+        let functions = self.basis.project_rgb(level, cells);
+        super::apply_rows(level, &self.rows, cells, &functions)
     }
 }
 

@@ -1,6 +1,8 @@
 //! What a bake says of itself.
 
 use super::BakeSettings;
+use super::audit::ErrorParts;
+use super::scheme::{Partitioner, Scheme};
 use super::transfer::GroupTransfer;
 
 /// Figures of one group of receivers.
@@ -39,6 +41,10 @@ pub(super) fn escaped_past_something(groups: &[GroupStats]) -> f64 {
 /// Figures of a bake, kept in its file.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct BakeStats {
+    /// How the transfer is stored.
+    pub scheme: Scheme,
+    /// What cut the mesh into partitions.
+    pub partitioner: Partitioner,
     /// Rays a vertex.
     pub rays: u32,
     /// Score below which coefficients were dropped.
@@ -58,6 +64,11 @@ pub struct BakeStats {
     pub energy_mean: f64,
     /// That of the light for which it is farthest from 1.
     pub energy_worst: f64,
+    /// Error that was asked for, if one was.
+    pub error_asked: Option<f64>,
+    /// Error of one bounce of indirect light, under lights that the bake did not
+    /// choose by.
+    pub errors: ErrorParts,
 }
 
 impl BakeStats {
@@ -65,7 +76,10 @@ impl BakeStats {
         let sum = |field: fn(&GroupStats) -> f64| groups.iter().map(field).sum::<f64>();
         let receivers = sum(|g| g.receivers).max(1.0);
         Self {
+            scheme: settings.scheme,
+            partitioner: settings.scheme.partitioner(),
             rays: settings.rays,
+            error_asked: settings.error,
             threshold,
             arrived_share: sum(|g| g.arrived) / receivers,
             escaped_share: sum(|g| g.escaped) / receivers,
@@ -73,5 +87,29 @@ impl BakeStats {
             // Of the finished operator, so not known yet.
             ..Self::default()
         }
+    }
+}
+
+impl BakeStats {
+    /// What the user should know where the error that was asked for is not
+    /// reached: by how much, why, and which key would help.
+    pub fn shortfall(&self) -> Option<String> {
+        let asked = self.error_asked?;
+        let reached = self.errors.total.mean;
+        if reached <= asked {
+            return None;
+        }
+        let percent = |error: f64| format!("{:.1} %", error * 100.0);
+        let cause = if self.errors.basis.mean > self.errors.noise.mean {
+            "the functions of the basis cannot follow the light on vertices this far apart: \
+             bake.functions or a smaller bake.max_edge would help"
+        } else {
+            "the rays are too few: more bake.rays would help"
+        };
+        Some(format!(
+            "indirect light is within {} in the mean of test lights, {} were asked for; {cause}",
+            percent(reached),
+            percent(asked),
+        ))
     }
 }

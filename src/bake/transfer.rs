@@ -7,24 +7,34 @@
 //! special case, and nothing divides by a squared distance.
 
 use glam::Vec3;
+use rayon::prelude::*;
 
+use super::run::Progress;
 use super::window::{Escape, aimed_shares, needs_aim, open_cells};
 use crate::maths::cube_cells::{CELL_COUNT, cell_of};
 use crate::maths::sampling::{cosine_direction, mirrored_above};
 use crate::maths::sobol::ScrambledSobol;
 use crate::simd::Level;
-use crate::surface::{Arrival, NONE, Surface};
+use crate::surface::{Arrival, KeptArrivals, NONE, Surface};
 
 /// Receivers that share one index list: the lanes of a row kernel.
 pub(crate) const GROUP: usize = 8;
+/// Vertices whose rays one task of [`trace_arrivals`] traces.
+const VERTICES_PER_TASK: usize = 32;
 /// Seed of the transfer's rays.
 const SEED: u32 = 0x7a45;
+
+/// (Sender, what each receiver of a group gets of it).
+type Entries = Vec<(u32, [f32; GROUP])>;
 
 /// Transfer to one group of receivers, a lane each.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(crate) struct GroupTransfer {
     /// (sender, its T_ij per receiver), ascending by sender; senders are slots.
     pub(crate) entries: Vec<(u32, [f32; GROUP])>,
+    /// What the first half of the rays found of each entry, less what the second
+    /// half found: as noisy as the entries, and nothing else.
+    pub(crate) noise: Vec<[f32; GROUP]>,
     /// r_i: share of the receiver's rays that arrived at a vertex.
     pub(crate) arrived: [f64; GROUP],
     /// Share of the receiver's rays that escaped.
@@ -74,6 +84,8 @@ impl Scratch {
 /// Dense rows of a group, a lane each, that remember where they are not empty.
 struct Dense {
     dense: Vec<[f32; GROUP]>,
+    /// The same of the first half of the rays less the second.
+    noise: Vec<[f32; GROUP]>,
     touched: Vec<u32>,
 }
 
@@ -81,35 +93,40 @@ impl Dense {
     fn new(length: usize) -> Self {
         Self {
             dense: vec![[0.0; GROUP]; length],
+            noise: vec![[0.0; GROUP]; length],
             touched: Vec::new(),
         }
     }
 
-    fn add(&mut self, slot: u32, lane: usize, weight: f32) {
+    fn add(&mut self, slot: u32, lane: usize, weight: f32, is_first_half: bool) {
         let entry = &mut self.dense[slot as usize];
         if *entry == [0.0; GROUP] {
             self.touched.push(slot);
         }
         entry[lane] += weight;
+        self.noise[slot as usize][lane] += if is_first_half { weight } else { -weight };
     }
 
-    /// Takes the entries out, scaled lane by lane, and leaves the scratch empty.
-    fn drain(&mut self, scales: &[f32; GROUP]) -> Vec<(u32, [f32; GROUP])> {
+    /// Takes the entries and their noise out, scaled lane by lane, and leaves the
+    /// scratch empty.
+    fn drain(&mut self, scales: &[f32; GROUP]) -> (Entries, Vec<[f32; GROUP]>) {
         self.touched.sort_unstable();
         self.touched.dedup();
-        let dense = &mut self.dense;
+        let (dense, noise) = (&mut self.dense, &mut self.noise);
         self.touched
             .drain(..)
             .map(|slot| {
-                let mut weights = std::mem::take(&mut dense[slot as usize]);
-                weights
-                    .iter_mut()
-                    .zip(scales)
-                    .for_each(|(w, scale)| *w *= scale);
-                (slot, weights)
+                let scaled = |values: &mut [f32; GROUP]| {
+                    let mut values = std::mem::take(values);
+                    let lanes = values.iter_mut().zip(scales);
+                    lanes.for_each(|(w, scale)| *w *= scale);
+                    values
+                };
+                let weights = scaled(&mut dense[slot as usize]);
+                ((slot, weights), scaled(&mut noise[slot as usize]))
             })
-            .filter(|(_, weights)| *weights != [0.0; GROUP])
-            .collect()
+            .filter(|((_, weights), _)| *weights != [0.0; GROUP])
+            .unzip()
     }
 }
 
@@ -129,8 +146,8 @@ pub(crate) fn sample_group(
         add_sky(sampling, (vertex, lane), counts[lane], &open, scratch);
     }
     let scales = counts.map(|count| 1.0 / count.in_the_open(sampling.rays) as f32);
-    let entries = scratch.senders.drain(&scales);
-    let sky = scratch.cells.drain(&scales);
+    let (entries, noise) = scratch.senders.drain(&scales);
+    let (sky, _) = scratch.cells.drain(&scales);
     let mut arrived = [0.0; GROUP];
     for (_, weights) in &entries {
         for lane in 0..GROUP {
@@ -141,6 +158,7 @@ pub(crate) fn sample_group(
         |count: RayCounts| f64::from(count.escaped) / f64::from(count.in_the_open(sampling.rays));
     GroupTransfer {
         entries,
+        noise,
         arrived,
         escaped: counts.map(share),
         sky,
@@ -199,25 +217,80 @@ pub(super) fn vertex_rays(
 fn sample_row(sampling: &Sampling, vertex: u32, lane: usize, scratch: &mut Scratch) -> RayCounts {
     let surface = sampling.surface;
     let mut counts = RayCounts::default();
-    for (index, (direction, hit)) in row_rays(surface, sampling.level, vertex, sampling.rays) {
-        let Some(hit) = hit else {
-            counts.escaped += 1;
-            scratch.escapes[lane].push((index, cell_of(direction) as u16));
-            continue;
-        };
-        let corners = surface.vertices.of_triangle(hit.triangle, hit.front);
-        if corners == [NONE; 3] {
-            counts.inside += 1;
-            continue;
+    if let Some(kept) = kept_row(surface, sampling.rays) {
+        for (index, hit) in (0..).zip(kept.of_vertex(vertex, sampling.rays)) {
+            match hit {
+                Some(hit) => add_hit(sampling, (index, hit), lane, scratch, &mut counts),
+                None => counts.escaped += 1,
+            }
         }
-        for (corner, weight) in corners.into_iter().zip(hit.barycentrics) {
-            if corner != NONE && weight > 0.0 {
-                let slot = sampling.slot_of_vertex[corner as usize];
-                scratch.senders.add(slot, lane, weight);
+        return counts;
+    }
+    for (index, (direction, hit)) in row_rays(surface, sampling.level, vertex, sampling.rays) {
+        match hit {
+            Some(hit) => add_hit(sampling, (index, hit), lane, scratch, &mut counts),
+            None => {
+                counts.escaped += 1;
+                scratch.escapes[lane].push((index, cell_of(direction) as u16));
             }
         }
     }
     counts
+}
+
+/// Adds one hit, of a ray with this number, to a receiver's lane.
+fn add_hit(
+    sampling: &Sampling,
+    (index, hit): (u32, Arrival),
+    lane: usize,
+    scratch: &mut Scratch,
+    counts: &mut RayCounts,
+) {
+    let vertices = &sampling.surface.vertices;
+    let corners = vertices.of_triangle(hit.triangle, hit.front);
+    if corners == [NONE; 3] {
+        counts.inside += 1;
+        return;
+    }
+    let is_first_half = index < sampling.rays / 2;
+    for (corner, weight) in corners.into_iter().zip(hit.barycentrics) {
+        if corner != NONE && weight > 0.0 {
+            let slot = sampling.slot_of_vertex[corner as usize];
+            scratch.senders.add(slot, lane, weight, is_first_half);
+        }
+    }
+}
+
+/// Arrivals that a study has kept, where they are enough.
+fn kept_row(surface: &Surface, rays: u32) -> Option<&KeptArrivals> {
+    let kept = surface.kept_arrivals.as_ref();
+    kept.filter(|kept| kept.rays() >= rays)
+}
+
+/// Traces rays of every vertex of a seed, to keep them; `None`: the seed of the
+/// rows. Returns `None` if the job was stopped.
+pub(super) fn trace_arrivals(
+    surface: &Surface,
+    level: Level,
+    (seed, rays): (Option<u32>, u32),
+    progress: &dyn Progress,
+) -> Option<KeptArrivals> {
+    let seed = seed.unwrap_or(SEED);
+    let vertices: Vec<u32> = (0..surface.vertices.len() as u32).collect();
+    let lists: Option<Vec<KeptArrivals>> = vertices
+        .par_chunks(VERTICES_PER_TASK)
+        .map(|vertices| {
+            if progress.cancelled() {
+                return None;
+            }
+            let rays_of = |&vertex| vertex_rays(surface, level, [seed, vertex], rays);
+            let all = vertices.iter().flat_map(rays_of);
+            let list = KeptArrivals::new(rays, all.map(|(_, (_, hit))| hit));
+            progress.advance(vertices.len() as u64);
+            Some(list)
+        })
+        .collect();
+    Some(KeptArrivals::concat(rays, lists?))
 }
 
 /// Adds a row's rays that escaped to the cells of the sky, or what rays aimed at
@@ -229,15 +302,20 @@ fn add_sky(
     open: &[u16],
     scratch: &mut Scratch,
 ) {
+    if kept_row(sampling.surface, sampling.rays).is_some() {
+        // A study looks at what surfaces exchange; nobody asks its rows for the sky.
+        return;
+    }
     let share = f64::from(counts.escaped) / f64::from(counts.in_the_open(sampling.rays));
     let escapes = &scratch.escapes[lane];
     if needs_aim(sampling, escapes, share) {
         for (cell, share) in aimed_shares(sampling, vertex, escapes, open) {
-            scratch.cells.add(cell, lane, share * sampling.rays as f32);
+            let weight = share * sampling.rays as f32;
+            scratch.cells.add(cell, lane, weight, true);
         }
     } else {
         for &(_, cell) in escapes {
-            scratch.cells.add(u32::from(cell), lane, 1.0);
+            scratch.cells.add(u32::from(cell), lane, 1.0, true);
         }
     }
 }

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
-use relume::{Bounces, Component, ComponentError, SimdLevel};
+use relume::{Bounces, Component, ComponentError, Scheme, SimdLevel};
 
 /// Relight OBJ scenes on a CPU, with bounced light.
 #[derive(Debug, Parser)]
@@ -26,7 +26,7 @@ pub(super) enum Command {
     Diff(Diff),
     /// Path-trace a scene: slow, and the truth to compare frames with.
     Reference(Reference),
-    /// Time relighting while a light moves; writes no picture.
+    /// Measure speed against error and write a report; or time relighting.
     Measure(Measure),
 }
 
@@ -120,6 +120,14 @@ pub(super) struct Measure {
     pub(super) scene: SceneArguments,
     #[command(flatten)]
     pub(super) frame: FrameArguments,
+    /// Folder for the report on speed and error, made if it is missing; open
+    /// report.html there. Bakes anew, whatever the cache has.
+    #[arg(short, long, value_name = "DIR")]
+    pub(super) output: Option<PathBuf>,
+    /// Paths a pixel of the report's path-traced reference.
+    #[arg(long, value_name = "N", default_value_t = DEFAULT_SPP,
+          value_parser = clap::value_parser!(u32).range(4..=MOST_SPP))]
+    pub(super) spp: u32,
     /// Frames to time: in each, the first point, spot or area light stands
     /// elsewhere on a circle of 5 % of the extent about its place.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MOST_FRAMES))]
@@ -135,6 +143,14 @@ pub(super) struct SceneArguments {
     /// Change a key of the scene, as in light.lamp.intensity=[5,5,5]; repeatable.
     #[arg(long = "set", value_name = "PATH=VALUE")]
     pub(super) overrides: Vec<String>,
+    /// How a bake stores the transfer: relume, or paper (as published in 2007,
+    /// to compare with).
+    #[arg(long, default_value = "relume", value_parser = parse_scheme, value_name = "NAME")]
+    pub(super) scheme: Scheme,
+    /// Relative error of indirect light to reach, as in 0.02: the bake chooses
+    /// rays, functions and coefficients for it; short for --set bake.error.
+    #[arg(long, value_name = "SHARE")]
+    pub(super) error: Option<f64>,
     #[command(flatten)]
     pub(super) run: Run,
 }
@@ -195,6 +211,11 @@ pub(super) enum PixelLimit {
 
 /// Longest side of a picture, pixels.
 const LARGEST_SIDE: u32 = 16_384;
+/// Paths a pixel of a report's reference: they leave some 5 % of noise in the
+/// indirect light of a small lamp, and take a minute of one thread at 320x240.
+const DEFAULT_SPP: u32 = 512;
+/// Most paths a pixel of a report's reference.
+const MOST_SPP: i64 = 1 << 20;
 /// Most frames to time.
 const MOST_FRAMES: i64 = 100_000;
 /// Most bounces by number, as in the scene file.
@@ -229,6 +250,11 @@ fn parse_bounces(text: &str) -> Result<Bounces, String> {
 
 fn parse_component(text: &str) -> Result<Component, ComponentError> {
     text.parse()
+}
+
+fn parse_scheme(text: &str) -> Result<Scheme, String> {
+    let found = Scheme::ALL.into_iter().find(|scheme| scheme.name() == text);
+    found.ok_or_else(|| format!("schemes are {}", Scheme::ALL.map(Scheme::name).join(", ")))
 }
 
 fn parse_simd(text: &str) -> Result<SimdLevel, String> {

@@ -13,7 +13,8 @@ pub(super) fn execute(arguments: &Bake) -> Result<Report, CliError> {
     let scene = load_scene(&arguments.scene)?;
     let folder = cache_folder(&arguments.scene.run);
     let mut renderer = with_run(&arguments.scene.run, |_| {
-        Ok(Renderer::new(scene, folder.as_deref()))
+        let scheme = arguments.scene.scheme;
+        Ok(Renderer::with_scheme(scene, folder.as_deref(), scheme))
     })?;
     warn(renderer.take_warnings());
     announce_bake(&mut renderer, &arguments.scene.run)?;

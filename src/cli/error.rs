@@ -22,6 +22,8 @@ pub(super) enum CliError {
     #[error(transparent)]
     NoLocalLight(#[from] NoLocalLight),
     #[error(transparent)]
+    Measure(MeasureError),
+    #[error(transparent)]
     Sizes(#[from] SizeMismatch),
     #[error("standard output could not be written; the files were")]
     StandardOutput(#[source] std::io::Error),
@@ -36,6 +38,9 @@ impl From<MeasureError> for CliError {
         match error {
             MeasureError::NoLocalLight(error) => error.into(),
             MeasureError::Render(error) => error.into(),
+            MeasureError::Bake(error) => error.into(),
+            MeasureError::Output(error) => error.into(),
+            error @ (MeasureError::Report(_) | MeasureError::Threads(_)) => Self::Measure(error),
         }
     }
 }
@@ -57,6 +62,7 @@ impl CliError {
             | Self::Render(_)
             | Self::Bake(_)
             | Self::NoLocalLight(_)
+            | Self::Measure(_)
             | Self::Usage(_) => 2,
         }
     }

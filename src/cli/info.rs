@@ -15,7 +15,7 @@ pub(super) fn execute(arguments: &Info) -> Result<Report, CliError> {
     let scene = load_scene(&arguments.scene)?;
     let folder = cache_folder(&arguments.scene.run);
     let (outlook, warnings) = with_run(&arguments.scene.run, |run| {
-        let mut renderer = Renderer::new(scene, folder.as_deref());
+        let mut renderer = Renderer::with_scheme(scene, folder.as_deref(), arguments.scene.scheme);
         let outlook = renderer.outlook(run)?;
         Ok((outlook, renderer.take_warnings()))
     })?;
@@ -56,6 +56,8 @@ fn object(outlook: &Outlook) -> Value {
         "escaped_share_of_fronts": outlook.escaped_share_of_fronts,
         "escaped_share": bake.escaped_share,
         "cache": if bake.cached { "hit" } else { "miss" },
+        "scheme": bake.scheme.name(),
+        "partitioner": bake.partitioner.name(),
         "rays": bake.rays,
         "partitions": bake.partitions,
         "functions": bake.functions,

@@ -1,22 +1,164 @@
-//! `relume measure`: how fast frames are.
+//! `relume measure`: how fast frames are, and how wrong.
 
-use relume::measure::{FrameTimes, LightCircle, Spread, time_frames};
-use relume::{Bounces, FrameSettings, Renderer, SimdLevel};
+use std::path::Path;
+
+use relume::measure::{FrameTimes, LightCircle, MainFigures, ReportSettings, Spread, time_frames};
+use relume::{Bounces, FrameSettings, OutputError, Renderer, SimdLevel, write_folder};
 use serde_json::{Map, Value, json};
 
 use super::args::Measure;
 use super::error::CliError;
 use super::info::announce_bake;
 use super::render::apply_frame;
-use super::report::{Report, rounded, stage_key};
+use super::report::{Report, errors, rounded, stage_key};
 use super::run::{cache_folder, load_scene, warn, with_run};
 
+/// Size of a report's frames, where nothing else is asked for.
+const REPORT_SIZE: [u32; 2] = [320, 240];
+
 pub(super) fn execute(arguments: &Measure) -> Result<Report, CliError> {
-    let Some(frames) = arguments.frames else {
-        return Err(CliError::Usage(
-            "measure needs --frames N: the number of frames to time".to_owned(),
-        ));
+    match (&arguments.output, arguments.frames) {
+        (None, None) => Err(CliError::Usage(
+            "measure needs -o DIR, the folder for its report, or --frames N, the number of \
+             frames to time"
+                .to_owned(),
+        )),
+        (None, Some(frames)) => timed(arguments, frames),
+        (Some(folder), None) => measured(arguments, folder),
+        (Some(folder), Some(frames)) => {
+            check_report_folder(folder)?;
+            let timed = timed(arguments, frames)?;
+            let mut report = measured(arguments, folder)?;
+            report.json["frames"] = timed.json;
+            report.text = format!("{}\n\n{}", timed.text, report.text);
+            Ok(report)
+        }
+    }
+}
+
+/// Refuses before minutes of work what cannot become a folder.
+fn check_report_folder(folder: &Path) -> Result<(), CliError> {
+    std::fs::create_dir_all(folder).map_err(|source| {
+        CliError::Output(OutputError::Write {
+            path: folder.to_owned(),
+            source,
+        })
+    })
+}
+
+fn measured(arguments: &Measure, folder: &Path) -> Result<Report, CliError> {
+    let mut scene = load_scene(&arguments.scene)?;
+    check_report_folder(folder)?;
+    scene.camera.size = REPORT_SIZE;
+    apply_frame(&mut scene, &arguments.frame);
+    let stem = arguments.scene.path.file_stem();
+    let settings = ReportSettings {
+        name: stem.map_or_else(String::new, |stem| stem.to_string_lossy().into_owned()),
+        frame: FrameSettings::of_scene(&scene),
+        samples: arguments.spp,
     };
+    let measured = with_run(&arguments.scene.run, |run| {
+        Ok(relume::measure::report(scene, &settings, run)?)
+    })?;
+    warn(measured.warnings);
+    write_folder(folder, &measured.files)?;
+    Ok(Report {
+        json: main_figures(&measured.figures),
+        text: format!(
+            "{}\n{}",
+            summary(&measured.figures),
+            folder.join("report.html").display()
+        ),
+        exit_code: 0,
+    })
+}
+
+fn main_figures(figures: &MainFigures) -> Value {
+    let schemes = figures.schemes.iter().map(|it| {
+        let object = json!({
+            "bytes_per_vertex": it.bytes_per_vertex,
+            "one_bounce": errors(&it.one_bounce),
+            "four_bounces": errors(&it.four_bounces),
+            "relight_ms": rounded(it.relight_ms),
+        });
+        (it.scheme.name().to_owned(), object)
+    });
+    let ratios = figures.ratios_at_equal_bytes.iter();
+    let ratios = ratios.map(|(bytes, ratio)| json!({ "bytes_per_vertex": bytes, "ratio": ratio }));
+    let images = figures.images.iter().map(|it| {
+        let of = |which: usize| {
+            json!({
+                "relative_rmse": it.relative_rmse[which],
+                "noise": it.noise[which],
+                "path_seconds": it.path_seconds[which],
+                "ratio": it.ratios[which],
+                "break_even_frames": it.break_even_frames[which],
+            })
+        };
+        let object = json!({
+            "pixels": of(0),
+            "blocks": of(1),
+            "bias": it.bias,
+            "flip": { "mean": it.flip[0], "p95": it.flip[1], "halves": it.flip_of_halves },
+            "frame_ms": rounded(it.frame_ms),
+        });
+        (it.component.to_owned(), object)
+    });
+    json!({
+        "vertices": figures.vertices,
+        "receivers": figures.receivers,
+        "schemes": Value::Object(schemes.collect()),
+        "stated": figures.stated.as_ref().map(errors),
+        "noise_of_truth": figures.truth_noise,
+        "paper_over_relume": ratios.collect::<Vec<_>>(),
+        "images": Value::Object(images.collect()),
+        "bake_seconds": figures.bake_seconds,
+        "threads": figures.threads,
+        "seconds": figures.seconds,
+    })
+}
+
+fn summary(figures: &MainFigures) -> String {
+    let mut lines = vec![format!(
+        "{} vertices; {:.0} s, of which the bake {:.1} s",
+        figures.vertices, figures.seconds, figures.bake_seconds
+    )];
+    for it in &figures.schemes {
+        lines.push(format!(
+            "{:<8} {:>4.0} bytes a vertex: error {:.2} % (95th percentile {:.2} %), four bounces \
+             {:.2} % ({:.2} %), {:.2} ms",
+            it.scheme.name(),
+            it.bytes_per_vertex,
+            it.one_bounce.mean * 100.0,
+            it.one_bounce.p95 * 100.0,
+            it.four_bounces.mean * 100.0,
+            it.four_bounces.p95 * 100.0,
+            it.relight_ms,
+        ));
+    }
+    for (bytes, ratio) in &figures.ratios_at_equal_bytes {
+        lines.push(format!(
+            "paper / relume at {bytes:.0} bytes a vertex: {ratio:.2}"
+        ));
+    }
+    for it in &figures.images {
+        lines.push(format!(
+            "{:<8} FLIP {:.4}, relRMSE {:.2} % (8 x 8: {:.2} %), frame {:.1} ms of one thread; \
+             paths to the same error take {:.0} times as long (8 x 8: {:.0})",
+            it.component,
+            it.flip[0],
+            it.relative_rmse[0] * 100.0,
+            it.relative_rmse[1] * 100.0,
+            it.frame_ms,
+            it.ratios[0],
+            it.ratios[1],
+        ));
+    }
+    lines.join("\n")
+}
+
+/// Times frames alone.
+fn timed(arguments: &Measure, frames: u32) -> Result<Report, CliError> {
     let mut scene = load_scene(&arguments.scene)?;
     apply_frame(&mut scene, &arguments.frame);
     // Before the bake, which may take minutes.

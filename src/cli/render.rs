@@ -26,7 +26,8 @@ pub(super) fn execute(arguments: &Render) -> Result<Report, CliError> {
     let folder = cache_folder(&arguments.scene.run);
 
     let mut renderer = with_run(&arguments.scene.run, |_| {
-        Ok(Renderer::new(scene, folder.as_deref()))
+        let scheme = arguments.scene.scheme;
+        Ok(Renderer::with_scheme(scene, folder.as_deref(), scheme))
     })?;
     warn(renderer.take_warnings());
     if renderer.needs_bake(&settings) {

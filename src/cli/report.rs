@@ -1,6 +1,6 @@
 //! What a command says at its end: a JSON object, or lines for a person.
 
-use relume::{BakeFigures, SceneFigures, Stages};
+use relume::{BakeFigures, LightErrors, SceneFigures, Stages};
 use serde_json::{Map, Value, json};
 
 use super::error::CliError;
@@ -73,6 +73,8 @@ pub(super) fn add_figures(object: &mut Value, figures: &SceneFigures) {
     });
     if let Some(bake) = bake {
         object["bake"] = json!({
+            "scheme": bake.stats.scheme.name(),
+            "partitioner": bake.stats.partitioner.name(),
             "rays": bake.stats.rays,
             "arrived_share": bake.stats.arrived_share,
             "escaped_share": bake.stats.escaped_share,
@@ -80,8 +82,25 @@ pub(super) fn add_figures(object: &mut Value, figures: &SceneFigures) {
             "largest_eigenvalue": bake.stats.largest_eigenvalue,
             "energy_mean": bake.stats.energy_mean,
             "energy_worst": bake.stats.energy_worst,
+            "error": errors(&bake.stats.errors.total),
+            "error_of": {
+                "sampling_noise": errors(&bake.stats.errors.noise),
+                "basis": errors(&bake.stats.errors.basis),
+                "compression": errors(&bake.stats.errors.compression),
+            },
+            "noise_of_truth": bake.stats.errors.truth.mean,
         });
     }
+}
+
+/// Relative errors of indirect light over test lights.
+pub(super) fn errors(errors: &LightErrors) -> Value {
+    json!({
+        "mean": errors.mean,
+        "p95": errors.p95,
+        "worst": errors.worst,
+        "signed": errors.signed,
+    })
 }
 
 /// One sentence on a scene and its bake.
@@ -93,9 +112,11 @@ pub(super) fn figures_text(figures: &SceneFigures) -> String {
     match figures.bake {
         None => mesh,
         Some(bake) => format!(
-            "{mesh}, {} functions, {:.0} coefficients a vertex, bake of {:.1} MB {}",
+            "{mesh}, {} functions, {:.0} coefficients a vertex, indirect light within {:.1} %, \
+             bake of {:.1} MB {}",
             bake.functions,
             bake.coefficients_per_vertex,
+            bake.stats.errors.total.mean * 100.0,
             bake.bytes as f64 / 1e6,
             if bake.cached {
                 "from the cache"

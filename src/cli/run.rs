@@ -78,9 +78,11 @@ pub(super) fn thread_pool(arguments: &Run) -> Result<ThreadPool, CliError> {
 
 /// Reads the scene with the command line's changes and says its warnings.
 pub(super) fn load_scene(arguments: &SceneArguments) -> Result<Scene, CliError> {
+    let error = arguments.error.map(|error| format!("bake.error={error:?}"));
     let overrides = arguments
         .overrides
         .iter()
+        .chain(&error)
         .map(|text| Override::parse(text))
         .collect::<Result<Vec<_>, _>>()?;
     let mut scene = Scene::load(&arguments.path, &overrides)?;

@@ -6,6 +6,7 @@ use std::time::Instant;
 use glam::DVec3;
 use thiserror::Error;
 
+use super::MeasureError;
 use crate::bake::RunSettings;
 use crate::maths::functions::{cos, sin};
 use crate::relight::{Frame, FrameSettings, RenderError, Renderer};
@@ -241,17 +242,6 @@ fn draw_frames(
 
 fn put(renderer: &mut Renderer, circle: &LightCircle, kind: LightKind) {
     renderer.relight(|lights, _| lights[circle.light].kind = kind);
-}
-
-/// Why frames were not timed.
-#[derive(Debug, Error)]
-pub enum MeasureError {
-    /// There is nothing to move.
-    #[error(transparent)]
-    NoLocalLight(#[from] NoLocalLight),
-    /// A frame was not drawn.
-    #[error(transparent)]
-    Render(#[from] RenderError),
 }
 
 #[cfg(test)]

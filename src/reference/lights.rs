@@ -85,6 +85,20 @@ impl<'a> Lights<'a> {
         }
     }
 
+    /// One light without a shape, alone; nothing emits.
+    pub(super) fn alone(scene: &'a Scene, surface: &'a Surface, light: PlacedLight) -> Self {
+        Self {
+            scene,
+            surface,
+            sharp: vec![light],
+            rectangles: Vec::new(),
+            skies: Vec::new(),
+            suns: Vec::new(),
+            emitting: Vec::new(),
+            cumulative_power: Vec::new(),
+        }
+    }
+
     pub(super) fn has_sky(&self) -> bool {
         !self.skies.is_empty()
     }

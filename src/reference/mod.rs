@@ -6,6 +6,7 @@
 //! lights or rays passes between them, which is why a test compares with an
 //! independent renderer as well.
 
+mod irradiance;
 mod lights;
 
 use glam::Vec3;
@@ -21,6 +22,7 @@ use crate::simd::Level;
 use crate::surface::maps::mean_around;
 use crate::surface::{Detail, Ray, Surface, SurfacePoint};
 use crate::texture::TextureMap;
+pub(crate) use irradiance::{AtVertex, AtVertices, indirect_irradiance};
 use lights::{Drawn, Lights};
 
 /// Points of one pixel that one scrambled set covers.
@@ -140,8 +142,13 @@ impl Tracer<'_> {
     /// Radiance along one path through pixel coordinates (x, y). `first` are
     /// the uniforms of the first bounce, `path` seeds the others.
     fn radiance(&self, x: f64, y: f64, first: [f32; 2], path: u32) -> Vec3 {
-        let mut direction = self.camera.direction(x, y);
-        let mut origin = self.camera.eye.as_vec3();
+        let direction = self.camera.direction(x, y);
+        self.radiance_along((self.camera.eye.as_vec3(), direction), first, path)
+    }
+
+    /// Radiance along one path that begins with a ray: origin and direction.
+    fn radiance_along(&self, ray: (Vec3, Vec3), first: [f32; 2], path: u32) -> Vec3 {
+        let (mut origin, mut direction) = ray;
         let mut throughput = Vec3::ONE;
         let mut radiance = Vec3::ZERO;
         let longest = match self.settings.bounces {

@@ -16,6 +16,11 @@ const SETTLED: f64 = 1e-3;
 /// rounds a closed room of albedo 1 to within 1e-6 of 1, and a limit 1e5 times
 /// the first bounce is none.
 const DECAYS: f64 = 1.0 - 1e-5;
+/// A bounce of this share of all before it is lost in their rounding, so their
+/// sum is the limit. Between two plates of unequal albedo light swings from one
+/// to the other: the ratio of successive bounces alternates for ever and never
+/// settles.
+const NOTHING_LEFT: f64 = 1e-7;
 /// Bounces that may grow before "all" gives up: light that leaves a corner for
 /// many small vertices grows in their sum for a bounce or two.
 const MOST_GROWING: u32 = 64;
@@ -124,6 +129,9 @@ impl Transport<'_> {
                 }
                 last_limit = limit;
             }
+            if magnitude(&increment.added) <= NOTHING_LEFT * magnitude(&irradiance) {
+                return Ok(irradiance);
+            }
             outgoing = radiosity(&vec![[0.0; 3]; source.len()], albedo, &increment.added);
             last = increment;
         }
@@ -157,6 +165,12 @@ fn add(sum: &mut [[f32; 3]], more: &[[f32; 3]], factor: [f64; 3]) {
             total[channel] += value[channel] * factor[channel];
         }
     }
+}
+
+/// Sum of a field's absolute values.
+fn magnitude(field: &[[f32; 3]]) -> f64 {
+    let absolute = |value: &f32| f64::from(value.abs());
+    field.iter().flatten().map(absolute).sum()
 }
 
 /// Mean absolute difference of two fields, share of the mean of the second, of

@@ -3,36 +3,105 @@
 //!
 //! | file | what is known |
 //! |---|---|
-//! | `enclosures` | furnace, one emitting face, hollow sphere, cube with a lamp |
+//! | `enclosures` | furnace, one emitting face, cube with a lamp |
+//! | `point_kernel` | what a furnace alone does not see |
+//! | `spheres` | a bounce inside a sphere is the same everywhere |
+//! | `plates` | form factors of rectangles, light between plates |
 //! | `operator` | linearity, boundedness, energy, rows, convergence of "all" |
 //! | `sides` | what must stay exactly dark, and which backs exist |
+//! | `contacts` | walls that meet, cracks, meshes of unequal fineness |
 //! | `direct_flux` | the light that a plane catches |
 //! | `placement` | rooms far away, tiny and huge |
 //! | `kept` | incremental frames have the bits of fresh ones |
 //! | `basis` | direct light after projection, partitions and functions in colours |
 //! | `borders` | partitions cannot be seen |
+//! | `clamped` | what a basis rings below zero |
 //! | `area` | rectangles, spots and parallel light on planes |
 //! | `emitters` | walls that glow, lamps of triangles, ten thousand of them |
 //! | `sky` | a constant sky over a plane and into a box |
 //! | `maps` | maps of the sky, how they are turned, and their suns |
 //! | `textures` | what a map on a surface is on average |
 //! | `relit` | lamps and materials changed from frame to frame |
+//! | `messy` | files and faces as other programs leave them |
 //! | `finite` | what has no meaning makes no frame that has none |
+//!
+//! Where the answer to a known hard case is tested, here and elsewhere;
+//! `case_table` checks the names. A star: ignored, since it fails; its reason
+//! says by how much.
+//!
+//! | case | tests |
+//! |---|---|
+//! | furnace Le / (1 - rho) | `a_furnace_glows_evenly` |
+//! | ... of emitting walls | `a_furnace_of_emitting_walls_is_le_over_1_minus_rho` |
+//! | ... rho = 1 | `albedo_one_in_a_closed_room_has_no_limit` |
+//! | row sums, closed | `closed_rooms_keep_their_rays` |
+//! | row sums, open | `constant_light_is_the_share_of_rays_that_arrive` |
+//! | ... as stored | `stored_rows_answer_constant_light_like_sampled_ones` |
+//! | furnace's pair | `one_emitting_face_lights_the_others_as_form_factors_say` |
+//! | point kernel | `a_furnace_passes_a_wrong_kernel_that_one_face_betrays` |
+//! | sphere, any light | `a_hollow_sphere_is_lit_evenly_from_anywhere` |
+//! | sphere, form factors | `patches_of_a_sphere_see_each_other_by_their_area` |
+//! | cube of 10 m | `a_cube_with_a_lamp_in_its_centre_has_the_published_luminance` |
+//! | unit squares | `two_unit_squares_exchange_a_fifth` |
+//! | ... as lights | `perpendicular_squares_exchange_a_fifth` |
+//! | wide plates | `light_between_wide_plates_is_a_geometric_series` |
+//! | point to polygon | `any_polygon_agrees_with_quadrature` |
+//! | ... at the horizon | `the_horizon_cuts_a_rectangle_above_a_wall` |
+//! | half of the flux | `a_wide_plane_catches_half_the_flux` |
+//! | ... far below an edge | `a_wide_plane_catches_half_the_flux_far_below_an_edge_length` * |
+//! | 200 bounces | `two_hundred_bounces_stay_bounded` |
+//! | box on a floor | `nothing_is_lit_inside_a_box_on_the_floor` |
+//! | ... open below | `backs_of_a_standing_box_are_dark` |
+//! | thin wall | `a_room_that_shares_no_triangle_with_a_lit_one_is_black` |
+//! | ... on a common floor | `little_light_passes_below_a_wall_on_a_common_floor` * |
+//! | wall ten times finer | `a_wall_ten_times_finer_changes_nothing` |
+//! | T-junctions, cracks | `cracks_let_next_to_no_ray_out` |
+//! | faces of no meaning | `faces_without_meaning_leave_a_finite_picture` |
+//! | ... doubled, flat | `doubled_and_flat_faces_change_no_pixel` |
+//! | ... told with a line | `broken_faces_are_dropped_with_one_warning_a_kind` |
+//! | 200 boxes | `constant_light_is_reproduced_on_each_of_200_boxes` |
+//! | planes 1e-4 apart | `planes_that_nearly_touch_see_nothing_else` |
+//! | a plane alone | `a_plane_alone_sees_nothing` |
+//! | room moved, scaled | `a_room_looks_the_same_anywhere_and_at_any_size` |
+//! | files of all kinds | `a_messy_file_is_the_picture_of_a_clean_one` |
+//! | lit from one side | `the_dark_side_of_a_sheet_is_black` |
+//! | ... from both | `each_side_of_a_sheet_has_its_own_light` |
+//! | equal eigenvalues | `projector_of_a_square_grid` |
+//! | ... clusters | `no_cluster_is_cut` |
+//! | ... signs | `the_largest_entry_is_positive` |
+//! | partition borders | `usual_jumps_at_borders_are_like_those_inside` |
+//! | ... with blocks | `the_largest_jump_at_a_border_is_usual_inside` * |
+//! | partitions renamed | `renaming_partitions_changes_no_light` |
+//! | linearity | `bounced_light_is_linear` |
+//! | light off | `no_light_is_exactly_no_light` |
+//! | 10,000 moves | `ten_thousand_moves_leave_no_trace` |
+//! | albedo edit | `an_edited_albedo_gives_the_frame_of_a_fresh_scene_without_a_bake` |
+//! | negative light | `light_below_zero_reaches_no_pixel_and_is_counted` |
+//! | ... reported | `pixels_below_zero_are_reported` |
+//! | threads, levels | `threads_instructions_and_cache_change_no_bit` |
+//! | another renderer | `relume_agrees_with_mitsuba` |
 
 mod area;
 mod basis;
 mod borders;
+mod case_table;
+mod clamped;
+mod contacts;
 mod direct_flux;
 mod emitters;
 mod enclosures;
 mod finite;
 mod kept;
 mod maps;
+mod messy;
 mod operator;
 mod placement;
+mod plates;
+mod point_kernel;
 mod relit;
 mod sides;
 mod sky;
+mod spheres;
 mod textures;
 
 use glam::{DVec3, Vec3};
@@ -42,9 +111,15 @@ use super::kept::KeptDirect;
 use super::{Component, FrameSettings, Renderer};
 use crate::bake::{Bake, BakeSettings, RunSettings, load_or_bake};
 use crate::frame::Image;
+use crate::maths::sobol::ScrambledSobol;
 use crate::scene::{Bounces, Light, PlacedLights, Placement, Scene};
 use crate::simd::Level;
 use crate::surface::{Detail, Surface};
+
+/// Points of a vertex's area in a mean over it, and their seed, which is no
+/// stage's own.
+const AREA_POINTS: u32 = 64;
+const AREA_SEED: u32 = 0xc105;
 
 /// A scene with its bake, and what the solver can be asked.
 struct Baked {
@@ -92,6 +167,17 @@ impl Baked {
         self.surface.placement.file_from_placed(placed)
     }
 
+    /// Mean over a vertex's area of a function of place (file units) and normal.
+    fn area_mean(&self, vertex: usize, of: impl Fn(DVec3, DVec3) -> f64) -> f64 {
+        let set = ScrambledSobol::new(AREA_SEED, vertex as u32);
+        let at = |index: u32| {
+            let point = self.surface.sample_point(vertex, set.point2(index));
+            let position = self.surface.placement.file_from_placed(point.position);
+            of(position, point.normal.as_dvec3())
+        };
+        (0..AREA_POINTS).map(at).sum::<f64>() / f64::from(AREA_POINTS)
+    }
+
     /// Direct irradiance at the vertices.
     fn direct(&self, lights: &[Light]) -> Vec<Vec3> {
         let placed = PlacedLights::of_file(lights, &self.surface.placement);
@@ -110,7 +196,19 @@ impl Baked {
 
     /// Indirect irradiance under one albedo for all vertices.
     fn solve(&self, source: &[Vec3], albedo: f32, bounces: Bounces) -> Vec<Vec3> {
-        let albedo = vec![Vec3::splat(albedo); self.vertex_count()];
+        self.solve_by(source, |_| albedo, bounces)
+    }
+
+    /// The same under an albedo by vertex.
+    fn solve_by(
+        &self,
+        source: &[Vec3],
+        albedo: impl Fn(usize) -> f32,
+        bounces: Bounces,
+    ) -> Vec<Vec3> {
+        let albedo: Vec<Vec3> = (0..self.vertex_count())
+            .map(|v| Vec3::splat(albedo(v)))
+            .collect();
         let solved = self.transport().solve(source, &albedo, bounces);
         solved.expect("light that decays has a limit")
     }
@@ -179,7 +277,7 @@ impl Deviation {
             sum += weight * off;
             squares += weight * off * off;
             norm += weight * wanted * wanted;
-            worst = f64::max(worst, off.abs());
+            worst = largest([worst, off.abs()]);
         }
         assert!(weights > 0.0, "there is nothing to compare");
         let scale = (norm / weights).sqrt();
@@ -191,9 +289,25 @@ impl Deviation {
     }
 }
 
+/// The largest of some magnitudes, 0 of none. `f64::max` alone passes over what
+/// is not a number, and a fault would look like a perfect match.
+fn largest(magnitudes: impl IntoIterator<Item = f64>) -> f64 {
+    magnitudes.into_iter().fold(0.0, |largest, magnitude| {
+        assert!(!magnitude.is_nan(), "a figure is not a number");
+        f64::max(largest, magnitude)
+    })
+}
+
 /// Prints a figure beside its limit and insists on it.
 #[allow(clippy::print_stderr, reason = "figures are read with --nocapture")]
 fn at_most(what: &str, figure: f64, limit: f64) {
     eprintln!("{what}: {figure:.3e} (at most {limit:.1e})");
     assert!(figure <= limit, "{what}: {figure:e} is more than {limit:e}");
+}
+
+/// The same for a figure that must not be small: what a test has to see.
+#[allow(clippy::print_stderr, reason = "figures are read with --nocapture")]
+fn at_least(what: &str, figure: f64, limit: f64) {
+    eprintln!("{what}: {figure:.3e} (at least {limit:.1e})");
+    assert!(figure >= limit, "{what}: {figure:e} is less than {limit:e}");
 }

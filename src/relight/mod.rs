@@ -25,6 +25,8 @@ mod stages;
 
 pub use basis_view::BasisFunctionError;
 pub use bounces::BounceError;
+pub(crate) use bounces::Transport;
+pub(crate) use colours::VertexColours;
 pub use component::{BasisFunction, COMPONENTS, Component, ComponentError};
 pub use outlook::{ImageCounts, LightCounts, Outlook, SceneContents, SkyView};
 pub use renderer::{

@@ -15,7 +15,7 @@ use super::shade::{View, draw};
 use super::stages::Stages;
 use crate::bake::{
     self, Bake, BakeError, BakeForecast, BakeSettings, BakeStats, CacheOutcome, RunSettings,
-    escaped_share_of_fronts, forecast, load_or_bake, load_stored,
+    Scheme, escaped_share_of_fronts, forecast, load_or_bake, load_stored,
 };
 use crate::frame::{Development, EncodedImage, Image};
 use crate::scene::{Bounces, Camera, Light, LightKind, PlacedLights, RenderKeys, Scene, Tone};
@@ -188,6 +188,7 @@ pub struct Renderer {
     scene: Scene,
     surface: Surface,
     baked: Option<Baked>,
+    scheme: Scheme,
     cache_folder: Option<PathBuf>,
     placed: KeptLights,
     kept: KeptDirect,
@@ -200,15 +201,22 @@ impl Renderer {
     /// Prepares a scene. Bakes come from and go to `cache_folder`; without one
     /// they live as long as the renderer.
     pub fn new(scene: Scene, cache_folder: Option<&Path>) -> Self {
+        Self::with_scheme(scene, cache_folder, Scheme::Relume)
+    }
+
+    /// The same with a bake that follows a scheme of choice.
+    pub fn with_scheme(scene: Scene, cache_folder: Option<&Path>, scheme: Scheme) -> Self {
         let mut stages = Stages::default();
         let surface = stages.time("surface", || {
             Surface::fronts(&scene, &Detail::of_keys(&scene.bake))
         });
-        let warnings = surface.warnings.clone();
+        let mut warnings = surface.warnings.clone();
+        warnings.extend(scheme.warning());
         Self {
             scene,
             surface,
             baked: None,
+            scheme,
             cache_folder: cache_folder.map(Path::to_owned),
             placed: KeptLights::default(),
             kept: KeptDirect::default(),
@@ -239,7 +247,7 @@ impl Renderer {
         if self.baked.is_some() {
             return Ok(());
         }
-        let settings = BakeSettings::of_keys(&self.scene.bake);
+        let settings = BakeSettings::of_scheme(self.scheme, &self.scene.bake);
         let (surface, folder) = (&mut self.surface, self.cache_folder.as_deref());
         let baked = self
             .stages
@@ -256,7 +264,7 @@ impl Renderer {
     /// # Errors
     /// [`BakeError::Cancelled`] when the job was stopped.
     pub fn outlook(&mut self, run: &RunSettings) -> Result<Outlook, BakeError> {
-        let settings = BakeSettings::of_keys(&self.scene.bake);
+        let settings = BakeSettings::of_scheme(self.scheme, &self.scene.bake);
         if self.baked.is_none() {
             self.load(&settings);
         }
@@ -314,13 +322,18 @@ impl Renderer {
             bake: self.baked.as_ref().map(|baked| BakeFigures {
                 partitions: baked.bake.basis().part_count(),
                 functions: baked.bake.basis().function_count(),
-                coefficients_per_vertex: baked.bake.rows().coefficients_per_vertex(),
+                coefficients_per_vertex: baked.bake.operator().coefficients_per_vertex(),
                 bytes: baked.file_bytes,
-                row_bytes: baked.bake.rows().bytes(),
+                row_bytes: baked.bake.operator().bytes(),
                 cached: baked.cached,
                 stats: *baked.bake.stats(),
             }),
         }
+    }
+
+    /// The surface, and the bake once there is one.
+    pub(crate) fn transfer(&self) -> (&Surface, Option<&Bake>) {
+        (&self.surface, self.baked.as_ref().map(|baked| &baked.bake))
     }
 
     /// Draws a frame; bakes first where the frame needs it.

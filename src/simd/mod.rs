@@ -10,7 +10,9 @@
     reason = "vendor intrinsics are unsafe to call; no other room may use them"
 )]
 
+pub(crate) mod block;
 mod lanes;
+pub(crate) mod lists;
 pub(crate) mod ray;
 pub(crate) mod rows;
 mod traverse;

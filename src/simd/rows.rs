@@ -72,6 +72,45 @@ fn dot_body<I: TableIndex, Q: Quantised>(
     sums
 }
 
+#[inline(always)]
+fn dot_run_body<Q: Quantised>(weights: &[[Q; LANES]], table: &[[f32; 3]]) -> GroupSums {
+    let mut sums = [[0.0_f32; LANES]; 3];
+    for (rgb, weights) in table.iter().zip(weights) {
+        let mut values = [0.0_f32; LANES];
+        for lane in 0..LANES {
+            values[lane] = weights[lane].value();
+        }
+        for channel in 0..3 {
+            for lane in 0..LANES {
+                sums[channel][lane] += values[lane] * rgb[channel];
+            }
+        }
+    }
+    sums
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2")]
+fn dot_run_avx2<Q: Quantised>(weights: &[[Q; LANES]], table: &[[f32; 3]]) -> GroupSums {
+    dot_run_body(weights, table)
+}
+
+/// [`dot`] of a list that names the table's entries one after the other.
+pub(crate) fn dot_run<Q: Quantised>(
+    level: Level,
+    weights: &[[Q; LANES]],
+    table: &[[f32; 3]],
+) -> GroupSums {
+    match level.available() {
+        #[cfg(target_arch = "x86_64")]
+        Level::Avx2 => {
+            // SAFETY: `available` returns this level only where the processor has AVX2.
+            unsafe { dot_run_avx2(weights, table) }
+        }
+        _ => dot_run_body(weights, table),
+    }
+}
+
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2")]
 fn dot_avx2<I: TableIndex, Q: Quantised>(
@@ -186,6 +225,9 @@ mod tests {
                 "{level:?}"
             );
             assert_eq!(dot(level, &wide, &weights, &table), definition, "{level:?}");
+            let run: Vec<u32> = (0..64).collect();
+            let listed = dot_body(&run, &weights[..64], &table);
+            assert_eq!(dot_run(level, &weights[..64], &table), listed, "{level:?}");
         }
     }
 

@@ -16,6 +16,8 @@ pub(crate) const AREA_POINTS: u32 = 8;
 const UNIFORM_WITHIN: f32 = 0.1;
 /// Seed of the points of vertices' areas.
 const SEED: u32 = 0xd17e;
+/// Seed of the points of [`at_vertices_by_many`].
+const MANY_SEED: u32 = 0xd181;
 /// Shadow rays to a light that is no point, from the first point of a vertex's
 /// area.
 const POINTS_OF_LIGHT: u32 = 16;
@@ -273,6 +275,35 @@ pub(crate) fn at_vertices(shadows: &Shadows, light: &PlacedLight) -> Vec<Vec3> {
             } else {
                 coarse[v]
             }
+        })
+        .collect()
+}
+
+/// The same by `points` points of every vertex that is wholly in the open, without
+/// regard to the neighbours; the others have their [`AREA_POINTS`]. What the few
+/// points of [`at_vertices`] are measured by.
+pub(crate) fn at_vertices_by_many(
+    shadows: &Shadows,
+    light: &PlacedLight,
+    points: u32,
+) -> Vec<Vec3> {
+    let vertices = &shadows.surface.vertices;
+    (0..vertices.len())
+        .into_par_iter()
+        .with_min_len(16)
+        .map(|v| {
+            if vertices.open_points(v) != u8::MAX {
+                return area_mean(shadows, light, v);
+            }
+            // A set of its own: the few points are no part of the many.
+            let set = ScrambledSobol::new(MANY_SEED, v as u32);
+            let mut found = Found::default();
+            for index in 0..points {
+                let point = shadows.surface.sample_point(v, set.point2(index));
+                let to_light = LightPoints::of(MANY_SEED ^ LIGHT_SEED, v as u32, index, 1);
+                shadows.find(light, &point, to_light, &mut found);
+            }
+            found.irradiance()
         })
         .collect()
 }

@@ -8,6 +8,7 @@
 mod detail;
 pub(crate) mod direct;
 mod forest;
+mod kept;
 pub(crate) mod maps;
 mod mesh;
 mod rays;
@@ -18,6 +19,7 @@ mod tessellate;
 mod vertices;
 
 pub(crate) use detail::Detail;
+pub(crate) use kept::KeptArrivals;
 pub(crate) use mesh::{LightingMesh, NONE};
 pub(crate) use rays::{Ray, RayTree, offset_origin};
 pub(crate) use vertices::{LightingVertices, MeshEdge, SurfacePoint};
@@ -36,6 +38,9 @@ pub(crate) struct Surface {
     pub(crate) patches: Vec<u32>,
     pub(crate) edges: Vec<MeshEdge>,
     pub(crate) rays: RayTree,
+    /// Arrivals of the transfer's rays, where a study has traced them: rows are
+    /// then sampled from these, without a sky.
+    pub(crate) kept_arrivals: Option<KeptArrivals>,
     /// Longest edge that was left whole, file units.
     pub(crate) max_edge: f64,
     /// What the user should know about the mesh.
@@ -80,6 +85,7 @@ impl Surface {
             patches: joints.patches,
             edges: joints.edges,
             rays,
+            kept_arrivals: None,
             max_edge: f64::from(max_edge) / placement.scale,
             warnings,
         }

@@ -240,6 +240,13 @@ impl LightingVertices {
         self.open_points[vertex]
     }
 
+    /// Area of a vertex that is in the open, placed units squared: what is inside
+    /// a closed body, such as the floor under a box, nobody sees.
+    pub(crate) fn open_area(&self, vertex: usize) -> f32 {
+        let open = self.open_points[vertex].count_ones() as f32 / u8::BITS as f32;
+        self.areas[vertex] * open
+    }
+
     pub(crate) fn len(&self) -> usize {
         self.positions.len()
     }

@@ -29,11 +29,10 @@ fn component(folder: &Path, name: &str, arguments: &[&str]) -> Image {
 }
 
 fn largest(image: &Image) -> f32 {
-    image
-        .pixels()
-        .iter()
-        .map(|p| p.max_element())
-        .fold(0.0, f32::max)
+    image.pixels().iter().fold(0.0, |largest, p| {
+        assert!(p.is_finite(), "a pixel is {p}");
+        f32::max(largest, p.max_element())
+    })
 }
 
 /// Largest |direct + indirect - global| of a channel.
@@ -46,8 +45,11 @@ fn largest_gap(folder: &Path, arguments: &[&str]) -> f32 {
     let parts = direct.pixels().iter().zip(indirect.pixels());
     parts
         .zip(global.pixels())
-        .map(|((&d, &i), &g)| (d + i - g).abs().max_element())
-        .fold(0.0, f32::max)
+        .map(|((&d, &i), &g)| (d + i - g).abs())
+        .fold(0.0, |largest, gap| {
+            assert!(gap.is_finite(), "a gap is {gap}");
+            f32::max(largest, gap.max_element())
+        })
 }
 
 #[test]

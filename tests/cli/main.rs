@@ -4,10 +4,12 @@
 mod components;
 mod differences;
 mod info;
+mod measured_reports;
 mod mistakes;
 #[path = "../program/mod.rs"]
 mod program;
 mod reports;
+mod schemes;
 #[cfg(unix)]
 mod signals;
 mod stored_bakes;

@@ -150,7 +150,7 @@ fn measuring_needs_frames_and_a_light_that_can_move() {
     let path = scene("cornell");
     let path = path.to_str().expect("the repository's path is UTF-8");
     let without = run(&mut relume(&["measure", path]));
-    assert_ends(&without, USAGE, &["error: ", "--frames N"]);
+    assert_ends(&without, USAGE, &["error: ", "-o DIR", "--frames N"]);
     let none = run(&mut relume(&["measure", path, "--frames", "0"]));
     assert_ends(&none, USAGE, &["--frames", "1..=100000"]);
     let day = scene("window").with_file_name("day.toml");

@@ -192,3 +192,32 @@ fn the_other_commands_print_one_object_too() {
     ];
     assert_keys(&compared.json(), &keys);
 }
+
+#[test]
+fn pixels_below_zero_are_reported() {
+    let folder = temporary_folder();
+    // A lamp just above the floor beside a wall excites functions that both
+    // share, far above what the floor gets of it in one bounce.
+    let ringing = [
+        "--set",
+        "render.bounces=1",
+        "--set",
+        "bake.functions=40",
+        "--set",
+        "light.lamp.position=[0.0,0.05,0.9]",
+    ];
+    let render = |arguments: &[&str]| {
+        let mut command = render_box_command(folder.path(), "frame.png", arguments);
+        succeed(&mut command)
+    };
+    let json = render(&[&ringing[..], &["--json"]].concat()).json();
+    let count = json["clamped_pixels"].as_u64().unwrap_or_default();
+    assert!(count > 0, "no pixel was below zero: {json}");
+    let sentence = "pixels had indirect light below zero";
+    let told = render(&ringing).stdout;
+    assert!(told.contains(&format!("{count} {sentence}")), "{told}");
+    let quiet = render(&[]).stdout;
+    assert!(!quiet.contains(sentence), "{quiet}");
+    let json = render(&["--json"]).json();
+    assert_eq!(json["clamped_pixels"].as_u64(), Some(0), "{json}");
+}

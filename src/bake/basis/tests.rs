@@ -1,9 +1,17 @@
 use super::super::partition::{PartitionSettings, partition};
 use super::super::sample_graphs;
 use super::*;
+use crate::bake::places::Places;
+use crate::bake::{BakeSettings, Importance, RunSettings, low_rank, spectral_basis};
+use crate::scene::sample_scenes::room_with_blocks;
+use crate::surface::{Detail, Surface};
 
 /// Largest deviation of a constant from its projection onto the basis.
 const CONSTANT_ERROR: f32 = 1e-5;
+
+/// Light under other names of the partitions, share of its mean: sums in
+/// another order, single precision.
+const RENAMED: f32 = 1e-5;
 
 fn parts_of(graph: &VertexGraph, vertices_per_part: u32) -> Partition {
     let weights = vec![1; graph.vertex_count()];
@@ -151,4 +159,64 @@ fn lists_that_do_not_fit_are_refused() {
     assert!(Basis::from_lists(vec![0, 1, 3], &[2, 1], &[1, 1], vec![0.5; 3]).is_err());
     assert!(Basis::from_lists(vec![0, 1, 2], &[2, 1], &[1, 2], vec![0.5; 3]).is_err());
     assert!(Basis::from_lists(vec![0, 1, 2], &[2, 1], &[1, 1], vec![f32::NAN; 3]).is_err());
+}
+
+/// The same basis with its partitions in the opposite order.
+fn renamed(basis: &Basis) -> Basis {
+    let parts: Vec<u32> = (0..basis.part_count() as u32).rev().collect();
+    let lists = basis.lists();
+    let of_parts = |list: &[u32]| -> Vec<u32> { parts.iter().map(|&p| list[p as usize]).collect() };
+    let slots = parts.iter().flat_map(|&p| basis.slot_range(p));
+    let values = parts
+        .iter()
+        .flat_map(|&p| basis.part_values(basis.parts[p as usize]));
+    Basis::from_lists(
+        slots.map(|slot| basis.vertex_of_slot()[slot]).collect(),
+        &of_parts(&lists.slot_counts),
+        &of_parts(&lists.function_counts),
+        values.copied().collect(),
+    )
+    .unwrap()
+}
+
+#[test]
+fn renaming_partitions_changes_no_light() {
+    let scene = room_with_blocks(true, 0.14, 32);
+    let mut surface = Surface::fronts(&scene, &Detail::of_keys(&scene.bake));
+    let settings = BakeSettings::of_keys(&scene.bake);
+    let run = RunSettings::silent();
+    let backs = surface.visible_backs(run.level);
+    surface.add_backs(&backs);
+    let basis = spectral_basis(&surface, &settings, &run).unwrap();
+    assert!(basis.part_count() > 4, "{} partitions", basis.part_count());
+    // Bounced light of a field that is bright in one corner, by vertex.
+    let corner = surface.vertices.positions()[0];
+    let bright = |v: u32| {
+        let distance = surface.vertices.positions()[v as usize].distance(corner);
+        [1.0 / (0.05 + distance * distance); 3]
+    };
+    let bounced = |basis: &Basis| -> Vec<f32> {
+        let places = Places::of(&surface, run.level);
+        let importance = Importance::of(&places, &run, basis).unwrap();
+        let (rows, ..) = low_rank::sampled_rows(low_rank::Task {
+            surface: &surface,
+            settings: &settings,
+            run: &run,
+            basis,
+            importance: &importance,
+        })
+        .unwrap();
+        let sent: Vec<[f32; 3]> = basis.vertex_of_slot().iter().map(|&v| bright(v)).collect();
+        let arrived = rows.apply(run.level, basis, &sent);
+        let slots = basis.slot_of_vertex().iter();
+        slots.map(|&slot| arrived[slot as usize][0]).collect()
+    };
+    let (light, other) = (bounced(&basis), bounced(&renamed(&basis)));
+    let mean = light.iter().sum::<f32>() / light.len() as f32;
+    let worst = light.iter().zip(&other).fold(0.0_f32, |worst, (a, b)| {
+        let off = (a - b).abs() / mean;
+        assert!(off.is_finite(), "{a} and {b}");
+        worst.max(off)
+    });
+    assert!(worst <= RENAMED, "light changes by {worst:e} of its mean");
 }

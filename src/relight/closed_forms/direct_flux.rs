@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 
 use glam::{DVec3, Vec3};
 
-use super::at_most;
+use super::{at_most, largest};
 use crate::bake::RunSettings;
 use crate::maths::functions::acos;
 use crate::relight::kept::KeptDirect;
@@ -25,6 +25,9 @@ const HEIGHTS: [(f64, f64); 5] = [
     (0.5, 0.05),
     (0.25, 0.2),
 ];
+
+/// What a mean over a vertex's area that knew the light would be missed by.
+const CLOSE: f64 = 0.05;
 
 fn plane() -> Scene {
     let mut mesh = SampleMesh::default();
@@ -52,10 +55,21 @@ fn flux_on_plane(light: DVec3) -> f64 {
 
 #[test]
 fn a_wide_plane_catches_half_the_flux() {
+    assert_flux(&HEIGHTS);
+}
+
+#[test]
+#[ignore = "fails: 8 points of a vertex's area miss a spike narrower than they are apart; the mean \
+            error is 22 % at 0.1 edges, 50 % at 0.05 and 76 % at 0.01, the worst of 16 places 148 %"]
+fn a_wide_plane_catches_half_the_flux_far_below_an_edge_length() {
+    assert_flux(&[(0.1, CLOSE), (0.05, CLOSE), (0.01, CLOSE)]);
+}
+
+fn assert_flux(heights: &[(f64, f64)]) {
     let scene = plane();
     let surface = Surface::fronts(&scene, &Detail::of_keys(&scene.bake));
     let scale = surface.placement.scale;
-    for (height, limit) in HEIGHTS {
+    for &(height, limit) in heights {
         let mut errors = Vec::new();
         // Sixteen places within one cell: over corners, edges and triangles.
         for place in 0..16 {
@@ -74,7 +88,7 @@ fn a_wide_plane_catches_half_the_flux() {
             errors.push(caught / (scale * scale) / flux_on_plane(light) - 1.0);
         }
         let mean = errors.iter().map(|e| e.abs()).sum::<f64>() / 16.0;
-        let worst = errors.iter().fold(0.0_f64, |worst, e| worst.max(e.abs()));
+        let worst = largest(errors.iter().map(|e| e.abs()));
         at_most(
             &format!("flux on a plane, light {height} edges high, worst of 16 {worst:.4}, mean"),
             mean,

@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use glam::{DVec3, Vec3};
 
-use super::{at_most, frame_of, frames_of};
+use super::{at_most, frame_of, frames_of, largest};
 use crate::frame::{Image, compare};
 use crate::relight::Component;
 use crate::scene::sample_scenes::{BOX_SIDES, Facing, SampleMesh, cube_room, lamp_facing_down};
@@ -40,7 +40,7 @@ fn a_furnace_of_emitting_walls_is_le_over_1_minus_rho() {
         let wanted = 1.0 / (1.0 - f64::from(albedo));
         let ratios = image.pixels().iter().map(|p| f64::from(p.x) / wanted);
         let mean = ratios.clone().sum::<f64>() / image.pixels().len() as f64;
-        let worst = ratios.map(|r| (r - 1.0).abs()).fold(0.0, f64::max);
+        let worst = largest(ratios.map(|r| (r - 1.0).abs()));
         let what = format!("furnace of emitters, albedo {albedo}");
         at_most(
             &format!("{what}, mean {mean:.5}, off by"),

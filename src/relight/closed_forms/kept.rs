@@ -29,6 +29,13 @@ fn move_light(light: &mut Light, by: DVec3) {
     }
 }
 
+fn put_light(light: &mut Light, place: DVec3) {
+    match &mut light.kind {
+        LightKind::Point(point) => point.position = place,
+        other => panic!("{other:?} is no point light"),
+    }
+}
+
 fn bits(values: &[Vec3]) -> Vec<[u32; 3]> {
     values
         .iter()
@@ -73,6 +80,43 @@ fn a_frame_after_many_moves_has_the_bits_of_the_first() {
         let moved = renderer.frame(&settings, &run).unwrap().image;
         assert_eq!(moved == first, step == 19, "step {step}");
     }
+}
+
+/// Moves of one light before the frame is compared with a fresh one.
+const MOVES: u32 = 10_000;
+
+#[test]
+fn ten_thousand_moves_leave_no_trace() {
+    let mut scene = room_with_blocks(false, 1.0, 32);
+    scene.lights = lit_room().lights;
+    scene.camera.size = [8, 6];
+    let settings = FrameSettings::of_scene(&scene);
+    let run = RunSettings::silent();
+    let mut renderer = Renderer::new(scene, None);
+    let first = renderer.frame(&settings, &run).unwrap().image;
+    let mut changed = 0;
+    let mut last = first.clone();
+    for step in 1..=MOVES {
+        // Places that do not repeat, in walls and blocks too, for either light
+        // in turn.
+        let place = DVec3::new(
+            f64::from(step % 97) / 48.0,
+            f64::from(step % 89) / 44.0,
+            f64::from(step % 83) / 41.0,
+        );
+        renderer.relight(|lights, _| put_light(&mut lights[(step % 2) as usize], place - 1.0));
+        let image = renderer.frame(&settings, &run).unwrap().image;
+        changed += u32::from(image != last);
+        last = image;
+    }
+    assert!(
+        changed > MOVES / 2,
+        "{changed} of {MOVES} moves changed the frame"
+    );
+    let moved = renderer.scene().clone();
+    let fresh = Renderer::new(moved, None).frame(&settings, &run).unwrap();
+    assert_eq!(last, fresh.image, "not the bits of a fresh frame");
+    assert!(last != first, "the lights have moved");
 }
 
 #[test]

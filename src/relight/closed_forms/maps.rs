@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use glam::{DVec3, Vec3};
 
-use super::{Baked, at_most, frame_of, frames_of};
+use super::{Baked, at_most, frame_of, frames_of, largest};
 use crate::maths::functions::{cos, sin};
 use crate::relight::Component;
 use crate::scene::sample_scenes::{
@@ -47,7 +47,7 @@ fn a_uniform_map_is_a_constant_sky() {
         assert!(sum > 100.0, "{component:?}: the picture is dark");
         at_most(
             &format!("uniform map, {component:?}, worst pixel"),
-            pairs.map(off).fold(0.0, f64::max),
+            largest(pairs.map(off)),
             UNIFORM,
         );
     }

@@ -2,7 +2,7 @@
 
 use glam::{DVec3, Vec3};
 
-use super::at_most;
+use super::{at_most, largest};
 use crate::bake::RunSettings;
 use crate::frame::Image;
 use crate::relight::{FrameSettings, Renderer};
@@ -59,16 +59,17 @@ fn a_room_looks_the_same_anywhere_and_at_any_size() {
     let home = block_means(&picture(scene.clone()));
     let mean = home.iter().map(|p| p.x).sum::<f32>() / home.len() as f32;
     assert!(mean > 0.05, "the picture is dark: {mean}");
-    let away = DVec3::new(1e6, -1e6, 1e6);
+    let away = |distance: f64| DVec3::new(distance, -distance, distance);
     for (name, scale, offset) in [
-        ("1e6 away", 1.0, away),
+        ("1e3 away", 1.0, away(1e3)),
+        ("1e5 away", 1.0, away(1e5)),
+        ("1e6 away", 1.0, away(1e6)),
         ("a thousandth", 1e-3, DVec3::ZERO),
-        ("a thousand times", 1e3, DVec3::ZERO),
-        ("a thousand times and 1e6 away", 1e3, away),
+        ("a thousand times and 1e6 away", 1e3, away(1e6)),
     ] {
         let there = block_means(&picture(moved(scene.clone(), scale, offset)));
         let off = |(a, b): (&Vec3, &Vec3)| f64::from((a.x - b.x).abs() / a.x);
-        let worst = home.iter().zip(&there).map(off).fold(0.0, f64::max);
+        let worst = largest(home.iter().zip(&there).map(off));
         at_most(
             &format!("room {name}, worst of {} blocks", home.len()),
             worst,

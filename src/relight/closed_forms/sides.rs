@@ -7,7 +7,7 @@ use super::Baked;
 use crate::bake::RunSettings;
 use crate::relight::{Component, FrameSettings, Renderer};
 use crate::scene::sample_scenes::{BOX_SIDES, BoxSide, Facing, SampleMesh, point_light};
-use crate::scene::{Bounces, Scene};
+use crate::scene::{Bounces, LightKind, Scene};
 
 /// Edges of the tessellation.
 const EDGE: f64 = 0.125;
@@ -68,6 +68,54 @@ fn the_dark_side_of_a_sheet_is_black() {
             assert_eq!(
                 shown, wanted,
                 "{name}: pixels that are not black, eye at y = {eye}"
+            );
+        }
+    }
+}
+
+#[test]
+fn each_side_of_a_sheet_has_its_own_light() {
+    // A sheet between two others that face it, red light above it, green below.
+    let mut mesh = SampleMesh::default();
+    for (bottom, side) in [(-0.5, false), (0.0, false), (-0.5, true)] {
+        let corners = [DVec3::new(-1.0, bottom, -1.0), DVec3::new(1.0, 0.5, 1.0)];
+        mesh.box_sides(corners, Facing::Inward, &[(1, side)], 0);
+    }
+    let sheets = Baked::new(&mesh.scene(&[0.8], EDGE, 256));
+    let mut lights = [0.25, -0.25].map(|y| point_light(DVec3::new(0.2, y, 0.1), 1.0));
+    for (light, colour) in lights.iter_mut().zip([Vec3::X, Vec3::Y]) {
+        let LightKind::Point(point) = &mut light.kind else {
+            panic!("both are point lights")
+        };
+        point.intensity = colour;
+    }
+    let direct = sheets.direct(&lights);
+    let indirect = sheets.indirect(&lights, 0.8, Bounces::Count(4));
+    let on_middle = |&v: &usize| sheets.position(v).y.abs() < 0.1;
+    for (name, upward, own, other) in [
+        ("upper", 1.0, Vec3::X, Vec3::Y),
+        ("lower", -1.0, Vec3::Y, Vec3::X),
+    ] {
+        let side: Vec<usize> = (0..sheets.vertex_count())
+            .filter(on_middle)
+            .filter(|&v| sheets.normal(v).y * upward > 0.9)
+            .collect();
+        assert!(side.len() > 100, "{} vertices", side.len());
+        for (what, light) in [("direct", &direct), ("indirect", &indirect)] {
+            let has = |colour: Vec3| {
+                side.iter()
+                    .filter(|&&v| light[v].dot(colour) != 0.0)
+                    .count()
+            };
+            assert_eq!(
+                has(own),
+                side.len(),
+                "{name}, {what}: vertices with their light"
+            );
+            assert_eq!(
+                has(other),
+                0,
+                "{name}, {what}: vertices with the other side's light"
             );
         }
     }
@@ -162,9 +210,7 @@ fn nothing_is_lit_inside_a_box_on_the_floor() {
             .iter()
             .copied()
             .filter(|&v| room.normal(v).y > 0.9 && v < room.fronts().end);
-        let brightest = floor
-            .map(|v| f64::from(indirect[v].x.abs()))
-            .fold(0.0, f64::max);
+        let brightest = super::largest(floor.map(|v| f64::from(indirect[v].x.abs())));
         super::at_most(
             &format!("indirect light under a box, {name}, share of the room's mean"),
             brightest / mean,
@@ -183,9 +229,7 @@ fn backs_of_a_standing_box_are_dark() {
     let high = backs_of_box(&room)
         .into_iter()
         .filter(|&v| room.position(v).y > -1.0 + 1.5 * EDGE);
-    let brightest = high
-        .map(|v| f64::from(indirect[v].x.abs()))
-        .fold(0.0, f64::max);
+    let brightest = super::largest(high.map(|v| f64::from(indirect[v].x.abs())));
     // The floor's vertices along the contact are lit from outside and seen
     // from inside: the one leak that vertices which straddle it allow.
     super::at_most(

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use glam::DVec3;
 
 use super::area::{parallel_corner, perpendicular_corner};
-use super::{Baked, Deviation, at_most, frame_of};
+use super::{Baked, Deviation, at_most, frame_of, largest};
 use crate::maths::sobol::ScrambledSobol;
 use crate::relight::Component;
 use crate::scene::sample_scenes::{BoxSide, Facing, SampleMesh, constant_sky};
@@ -47,11 +47,7 @@ fn a_plane_under_a_constant_sky_receives_pi_l() {
     let offs = at_vertices
         .iter()
         .map(|e| (f64::from(e.x) / wanted - 1.0).abs());
-    at_most(
-        "sky over a plane, worst vertex",
-        offs.fold(0.0, f64::max),
-        OPEN,
-    );
+    at_most("sky over a plane, worst vertex", largest(offs), OPEN);
     for bounces in [0, 2] {
         let mut scene = scene.clone();
         scene.render.bounces = Bounces::Count(bounces);
@@ -61,7 +57,7 @@ fn a_plane_under_a_constant_sky_receives_pi_l() {
             .iter()
             .map(|p| (f64::from(p.x) / wanted - 1.0).abs());
         let what = format!("sky over a plane, {bounces} bounces, worst pixel");
-        at_most(&what, offs.fold(0.0, f64::max), OPEN);
+        at_most(&what, largest(offs), OPEN);
     }
 }
 

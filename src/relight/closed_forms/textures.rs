@@ -3,7 +3,7 @@
 
 use glam::Vec3;
 
-use super::{Deviation, at_most, frame_of};
+use super::{Deviation, at_most, frame_of, largest};
 use crate::maths::sobol::ScrambledSobol;
 use crate::relight::Component;
 use crate::relight::colours::VertexColours;
@@ -95,7 +95,7 @@ fn bounced_light_sees_the_mean_of_a_map() {
     // Fine: every vertex sees the mean of the whole.
     let (_, fine) = at_vertices(&scene(TextureFilter::Bilinear, FLOOR, &checker(256)));
     let off = fine.iter().map(|a| f64::from((a.x / 0.4 - 1.0).abs()));
-    at_most("vertices on 256 fields", off.fold(0.0, f64::max), VERTEX);
+    at_most("vertices on 256 fields", largest(off), VERTEX);
     // Coarse: fields of 0.25 m, as long as the edges.
     let (surface, coarse) = at_vertices(&scene(TextureFilter::Nearest, FLOOR, &checker(8)));
     let wanted = |vertex: usize| {
@@ -155,7 +155,7 @@ fn tiles_of_an_atlas_do_not_bleed_into_pixels() {
             let image = frame_of(&scene, Component::Albedo);
             let blue = image.pixels().iter().map(|p| f64::from(p.z));
             let what = format!("atlas, {filter:?}, {size:?}, other tiles");
-            at_most(&what, blue.fold(0.0, f64::max), BLEED);
+            at_most(&what, largest(blue), BLEED);
             let [red, green] = [0, 1].map(|channel| {
                 let sum: f32 = image
                     .pixels()
@@ -187,7 +187,7 @@ fn tiles_of_an_atlas_hardly_bleed_into_vertices() {
         let blue = |v: usize| f64::from(albedo[v].z / KD.z);
         let worst = |inner: bool| {
             let which = (0..albedo.len()).filter(|&v| own(v) == inner);
-            which.map(blue).fold(0.0, f64::max)
+            largest(which.map(blue))
         };
         let what = format!("atlas, {filter:?}, other tiles at vertices");
         at_most(&format!("{what} inside"), worst(true), VERTEX);

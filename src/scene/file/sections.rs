@@ -151,10 +151,6 @@ pub(crate) fn bake(mut fields: Fields) -> Result<(BakeKeys, Vec<String>), SceneE
     let mut warnings = Vec::new();
     if let Some(item) = fields.take("error") {
         keys.error = Some(item.number((Excluded(0.0), Excluded(1.0)), "above 0 and below 1")?);
-        let place = item.place().line_only();
-        warnings.push(format!(
-            "{place}: [bake] error is not reached automatically yet"
-        ));
     }
     if let Some(item) = fields.take("max_edge") {
         let range = (Excluded(0.0), Excluded(LARGEST));

@@ -144,6 +144,7 @@ fn errors(polygons: &[Polygon]) -> Errors {
     for (exact, cut) in &results {
         let scale = max_component(*exact).max(0.01 * brightest);
         let error = max_component((cut.open() - *exact).abs()) / scale;
+        assert!(cut.open().is_finite() && error.is_finite(), "{error}");
         largest = f32::max(largest, error);
         squares += error * error;
         entries += cut.len();

@@ -1,0 +1,406 @@
+//! How wrong an operator is: its indirect light against transfer that was
+//! sampled many times as well, at some of the vertices, under lights that chose
+//! nothing.
+//!
+//! The error of one light is sqrt(sum A (E - R)^2 / sum A R^2) over receivers, of
+//! one bounce of its direct light on white surfaces; A is the area that is in the
+//! open. (With all area, floor under the Cornell box's blocks was half of all
+//! error: its rays nearly all end inside, and nobody sees it.) R has noise too;
+//! its two halves, of independent seeds, say how much, and that is taken off. The
+//! receivers are whole groups of eight, spread over the scene.
+
+use rayon::prelude::*;
+
+use super::compress::near_split;
+use super::operator::{receiver_groups, vertices_of};
+use super::test_lights::{Fields, LIGHTS, TestLights};
+use super::transfer::{self, GROUP, GroupTransfer, Sampling, sample_group, vertex_rays};
+use super::{Bake, BakeSettings, RunSettings, low_rank};
+use crate::bake::basis::Basis;
+use crate::bake::scheme::Scheme;
+use crate::simd::Level;
+use crate::surface::{NONE, Surface};
+
+/// Seeds of the two halves of the truth.
+const TRUE_SEEDS: [u32; 2] = [0x51d_e001, 0x51d_e002];
+
+/// How much an audit looks at.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct AuditSize {
+    /// Groups of eight receivers.
+    pub(crate) groups: usize,
+    /// Rays of each half of the truth.
+    pub(crate) rays: u32,
+}
+
+impl AuditSize {
+    /// What a bake does for its own figure: some 4 million rays.
+    pub(crate) const SHORT: Self = Self {
+        groups: 64,
+        rays: 4096,
+    };
+}
+
+/// Relative errors of indirect light over the test lights: root mean square
+/// over the area, 0.01 is one per cent.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct LightErrors {
+    /// Mean over the lights.
+    pub mean: f64,
+    /// 95th percentile over the lights.
+    pub p95: f64,
+    /// The light with the largest error.
+    pub worst: f64,
+    /// Mean over the lights of the relative error of their sum over the area.
+    pub signed: f64,
+}
+
+/// Errors of an operator, and where they come from.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct ErrorParts {
+    /// Of the stored operator.
+    pub total: LightErrors,
+    /// Of the sampled rows before anything was left out. A low-rank product
+    /// removes a good part of it, so that the total may be smaller.
+    pub noise: LightErrors,
+    /// What the functions of the basis cannot express of the light, with the
+    /// near field.
+    pub basis: LightErrors,
+    /// What is stored, against the sampled rows on all functions: what was left
+    /// out, noise included.
+    pub compression: LightErrors,
+    /// Noise of the truth that was taken off.
+    pub truth: LightErrors,
+}
+
+impl ErrorParts {
+    fn all(&self) -> [LightErrors; 5] {
+        [
+            self.total,
+            self.noise,
+            self.basis,
+            self.compression,
+            self.truth,
+        ]
+    }
+
+    /// All figures, for a file.
+    pub(super) fn numbers(&self) -> Vec<f64> {
+        let of = |e: LightErrors| [e.mean, e.p95, e.worst, e.signed];
+        self.all().into_iter().flat_map(of).collect()
+    }
+
+    /// What [`Self::numbers`] gave; `None` if these are not so many.
+    pub(super) fn from_numbers(numbers: &[f64]) -> Option<Self> {
+        let (groups, []) = numbers.as_chunks::<4>() else {
+            return None;
+        };
+        let of = |&[mean, p95, worst, signed]: &[f64; 4]| LightErrors {
+            mean,
+            p95,
+            worst,
+            signed,
+        };
+        let [total, noise, basis, compression, truth] = groups else {
+            return None;
+        };
+        Some(Self {
+            total: of(total),
+            noise: of(noise),
+            basis: of(basis),
+            compression: of(compression),
+            truth: of(truth),
+        })
+    }
+}
+
+/// Fields at the receivers of an audit.
+pub(crate) struct Receivers {
+    groups: Vec<(u32, u32)>,
+    /// Areas of the receivers, group by group.
+    areas: Vec<f64>,
+}
+
+impl Receivers {
+    /// Groups spread evenly over the slots.
+    pub(crate) fn spread(surface: &Surface, basis: &Basis, count: usize) -> Self {
+        Self::among(surface, basis, &receiver_groups(basis), count)
+    }
+
+    /// Groups spread evenly over some.
+    pub(super) fn among(
+        surface: &Surface,
+        basis: &Basis,
+        all: &[(u32, u32)],
+        count: usize,
+    ) -> Self {
+        let count = count.min(all.len());
+        let groups: Vec<(u32, u32)> = (0..count)
+            .map(|i| all[(2 * i + 1) * all.len() / (2 * count)])
+            .collect();
+        let areas = groups
+            .iter()
+            .flat_map(|&group| vertices_of(basis, group))
+            .map(|&v| f64::from(surface.vertices.open_area(v as usize)))
+            .collect();
+        Self { groups, areas }
+    }
+
+    /// The slots, group by group.
+    pub(crate) fn slots(&self) -> impl Iterator<Item = usize> {
+        let slots = |&(first, count): &(u32, u32)| first as usize..(first + count) as usize;
+        self.groups.iter().flat_map(slots)
+    }
+
+    /// The values of all slots at the receivers.
+    pub(crate) fn pick(&self, fields: &Fields) -> Fields {
+        self.slots().map(|slot| fields[slot]).collect()
+    }
+
+    /// Relative error of each light, and of its sum; `None` for a light that
+    /// does not arrive.
+    pub(crate) fn errors(&self, truth: &Fields, estimate: &Fields) -> [Option<[f64; 2]>; LIGHTS] {
+        std::array::from_fn(|light| {
+            let (mut squares, mut all, mut sum, mut total) = (0.0, 0.0, 0.0, 0.0);
+            for ((area, truth), estimate) in self.areas.iter().zip(truth).zip(estimate) {
+                let right = f64::from(truth[light]);
+                let difference = f64::from(estimate[light]) - right;
+                squares += area * difference * difference;
+                all += area * right * right;
+                sum += area * difference;
+                total += area * right;
+            }
+            (all > 0.0 && total > 0.0).then(|| [(squares / all).sqrt(), sum / total])
+        })
+    }
+}
+
+impl LightErrors {
+    /// Statistics over the lights that arrive.
+    pub(crate) fn of(errors: &[Option<[f64; 2]>; LIGHTS]) -> Self {
+        let found: Vec<[f64; 2]> = errors.iter().copied().flatten().collect();
+        if found.is_empty() {
+            return Self::default();
+        }
+        let mut sizes: Vec<f64> = found.iter().map(|e| e[0]).collect();
+        sizes.sort_by(f64::total_cmp);
+        let count = found.len() as f64;
+        let place = (0.95 * (sizes.len() - 1) as f64).ceil() as usize;
+        Self {
+            mean: sizes.iter().sum::<f64>() / count,
+            p95: sizes[place],
+            worst: sizes[sizes.len() - 1],
+            signed: found.iter().map(|e| e[1]).sum::<f64>() / count,
+        }
+    }
+}
+
+/// One bounce of the lights at the receivers by independent rays, twice.
+pub(crate) struct Truth {
+    halves: [Fields; 2],
+    mean: Fields,
+}
+
+impl Truth {
+    pub(crate) fn sample(
+        surface: &Surface,
+        basis: &Basis,
+        level: Level,
+        receivers: &Receivers,
+        rays: u32,
+        fields: &Fields,
+    ) -> Self {
+        let slots: Vec<usize> = receivers.slots().collect();
+        let halves = TRUE_SEEDS.map(|seed| {
+            let rows = slots.par_iter().with_min_len(4);
+            rows.map(|&slot| true_row(surface, basis, level, [seed, slot as u32], rays, fields))
+                .collect::<Fields>()
+        });
+        let pairs = halves[0].iter().zip(&halves[1]);
+        let mean = pairs
+            .map(|(a, b)| std::array::from_fn(|l| 0.5 * (a[l] + b[l])))
+            .collect();
+        Self { halves, mean }
+    }
+
+    /// Relative noise of the mean.
+    fn noise(&self, receivers: &Receivers) -> [Option<[f64; 2]>; LIGHTS] {
+        receivers.errors(&self.mean, &self.halves[0])
+    }
+
+    /// Errors of an estimate, less what is the truth's own noise.
+    pub(crate) fn errors(
+        &self,
+        receivers: &Receivers,
+        estimate: &Fields,
+    ) -> [Option<[f64; 2]>; LIGHTS] {
+        let noise = self.noise(receivers);
+        let mut errors = receivers.errors(&self.mean, estimate);
+        for (error, noise) in errors.iter_mut().zip(noise) {
+            if let (Some([error, _]), Some([noise, _])) = (error, noise) {
+                let squared = *error * *error - noise * noise;
+                *error = if squared > 0.0 { squared.sqrt() } else { 0.0 };
+            }
+        }
+        errors
+    }
+}
+
+/// What a vertex receives of every light, by rays of a seed.
+fn true_row(
+    surface: &Surface,
+    basis: &Basis,
+    level: Level,
+    [seed, slot]: [u32; 2],
+    rays: u32,
+    fields: &Fields,
+) -> [f32; LIGHTS] {
+    let vertex = basis.vertex_of_slot()[slot as usize];
+    let mut sums = [0.0_f32; LIGHTS];
+    let mut inside = 0;
+    for (_, (_, hit)) in vertex_rays(surface, level, [seed, vertex], rays) {
+        let Some(hit) = hit else { continue };
+        let corners = surface.vertices.of_triangle(hit.triangle, hit.front);
+        if corners == [NONE; 3] {
+            inside += 1;
+            continue;
+        }
+        for (corner, weight) in corners.into_iter().zip(hit.barycentrics) {
+            if corner != NONE && weight > 0.0 {
+                let values = &fields[basis.slot_of_vertex()[corner as usize] as usize];
+                for light in 0..LIGHTS {
+                    sums[light] += weight * values[light];
+                }
+            }
+        }
+    }
+    sums.map(|sum| sum / (rays - inside).max(1) as f32)
+}
+
+/// One bounce of the lights by the stored operator, slots.
+pub(crate) fn stored_bounce(bake: &Bake, level: Level, fields: &Fields) -> Fields {
+    in_threes(fields, |radiosity| bake.apply(level, radiosity))
+}
+
+/// Fields that an operator on RGB makes of fields.
+pub(super) fn in_threes(fields: &Fields, apply: impl Fn(&[[f32; 3]]) -> Vec<[f32; 3]>) -> Fields {
+    let mut out = vec![[0.0; LIGHTS]; fields.len()];
+    for first in (0..LIGHTS).step_by(3) {
+        let channels = first..(first + 3).min(LIGHTS);
+        let radiosity: Vec<[f32; 3]> = fields
+            .iter()
+            .map(|values| {
+                let mut rgb = [0.0; 3];
+                rgb[..channels.len()].copy_from_slice(&values[channels.clone()]);
+                rgb
+            })
+            .collect();
+        for (out, rgb) in out.iter_mut().zip(apply(&radiosity)) {
+            out[channels.clone()].copy_from_slice(&rgb[..channels.len()]);
+        }
+    }
+    out
+}
+
+/// What the basis keeps of the lights: S S^T B, slots.
+pub(super) fn smooth(basis: &Basis, level: Level, fields: &Fields) -> Fields {
+    in_threes(fields, |values| {
+        basis.reconstruct_rgb(&basis.project_rgb(level, values))
+    })
+}
+
+/// Audits a finished bake under test lights.
+pub(crate) fn audit(
+    bake: &Bake,
+    surface: &Surface,
+    settings: &BakeSettings,
+    lights: &TestLights,
+    size: AuditSize,
+    run: &RunSettings,
+) -> ErrorParts {
+    let receivers = Receivers::spread(surface, bake.basis(), size.groups);
+    let stored = |fields: &Fields| stored_bounce(bake, run.level, fields);
+    let job = (surface, bake.basis(), settings, run);
+    audit_at(job, &receivers, lights, size.rays, stored)
+}
+
+/// Audits an operator, given as what it makes of fields, at some receivers.
+pub(super) fn audit_at(
+    (surface, basis, settings, run): (&Surface, &Basis, &BakeSettings, &RunSettings),
+    receivers: &Receivers,
+    lights: &TestLights,
+    rays: u32,
+    stored: impl Fn(&Fields) -> Fields,
+) -> ErrorParts {
+    let fields = &lights.brightness;
+    let truth = Truth::sample(surface, basis, run.level, receivers, rays, fields);
+    let sampling = Sampling {
+        surface,
+        level: run.level,
+        slot_of_vertex: basis.slot_of_vertex(),
+        rays: settings.rays,
+    };
+    let near = match settings.scheme {
+        Scheme::Relume => low_rank::Budget::of(settings.coefficients).near,
+        Scheme::Paper => 0,
+    };
+    let kept = smooth(basis, run.level, fields);
+    let sampled: Vec<[Vec<[f32; LIGHTS]>; 2]> = receivers
+        .groups
+        .par_iter()
+        .map_init(
+            || transfer::Scratch::new(basis.slot_count()),
+            |scratch, &group| {
+                let rows = sample_group(&sampling, vertices_of(basis, group), scratch);
+                whole_and_on_basis(&rows, near, group.1 as usize, fields, &kept)
+            },
+        )
+        .collect();
+    let (whole, on_basis): (Vec<_>, Vec<_>) = sampled.into_iter().map(|[a, b]| (a, b)).unzip();
+    let (whole, on_basis) = (whole.concat(), on_basis.concat());
+    let stored = receivers.pick(&stored(fields));
+    let between = |right: &Fields, other: &Fields| LightErrors::of(&receivers.errors(right, other));
+    let against_truth = |estimate: &Fields| LightErrors::of(&truth.errors(receivers, estimate));
+    ErrorParts {
+        total: against_truth(&stored),
+        noise: against_truth(&whole),
+        basis: between(&whole, &on_basis),
+        compression: between(&on_basis, &stored),
+        truth: LightErrors::of(&truth.noise(receivers)),
+    }
+}
+
+/// What a group receives of the lights by its sampled rows, and by its near
+/// field and the rest of the rows on the basis.
+pub(super) fn whole_and_on_basis(
+    rows: &GroupTransfer,
+    near: usize,
+    count: usize,
+    fields: &Fields,
+    kept: &Fields,
+) -> [Vec<[f32; LIGHTS]>; 2] {
+    let gather = |entries: &[(u32, [f32; GROUP])], fields: &Fields| {
+        let mut sums = vec![[0.0_f32; LIGHTS]; count];
+        for (slot, weights) in entries {
+            let values = &fields[*slot as usize];
+            for (sums, &weight) in sums.iter_mut().zip(weights) {
+                for light in 0..LIGHTS {
+                    sums[light] += weight * values[light];
+                }
+            }
+        }
+        sums
+    };
+    let split = near_split(rows, near);
+    let near = gather(&split.near, fields);
+    let sum = |rest: Vec<[f32; LIGHTS]>| {
+        let pairs = near.iter().zip(&rest);
+        pairs
+            .map(|(a, b)| std::array::from_fn(|l| a[l] + b[l]))
+            .collect()
+    };
+    [
+        sum(gather(&split.remainder, fields)),
+        sum(gather(&split.remainder, kept)),
+    ]
+}

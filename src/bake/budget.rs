@@ -1,0 +1,197 @@
+//! The error budget: rays, functions and coefficients that reach an error.
+//!
+//! Trial bakes of some partitions say how wrong a whole one would be, under
+//! lights of a seed of their own. What is mostly to blame grows: functions where
+//! the basis cannot follow the light, otherwise rays, and coefficients with them,
+//! since more components stand out of less noise. A start that is better than
+//! asked gives rays back. Keys that the user has set stay as they are.
+
+use super::audit::{ErrorParts, Receivers, audit_at, in_threes};
+use super::basis::Basis;
+use super::low_rank::{Task, pilot_rows};
+use super::operator::receiver_groups;
+use super::places::Places;
+use super::test_lights::TestLights;
+use super::{BakeError, BakeSettings, Importance, RunSettings, spectral_basis};
+use crate::surface::Surface;
+
+/// Seed of the lights that choose.
+const SEED: u32 = 0xb0d_6e7;
+/// Partitions of a trial; receivers of each that are looked at, in groups.
+const PILOT_PARTS: usize = 16;
+const GROUPS: usize = 64;
+/// Rays of each half of the truth.
+const TRUE_RAYS: u32 = 4096;
+/// Trials at most.
+const MOST_TRIALS: usize = 10;
+/// The trials aim at this share of what is asked: a whole bake under other
+/// lights comes out up to so much worse.
+const AIM: f64 = 0.85;
+/// The basis is to blame from this share of the whole error on.
+const OF_BASIS: f64 = 0.7;
+/// Bounds of what is chosen.
+const RAYS: std::ops::RangeInclusive<u32> = 128..=16_384;
+const MOST_COEFFICIENTS: u32 = 256;
+/// Vertices a function, at least.
+const VERTICES_A_FUNCTION: usize = 4;
+
+/// The settings for an error, if one is asked for.
+pub(super) fn settings_for_error(
+    surface: &Surface,
+    places: &Places,
+    settings: &BakeSettings,
+    run: &RunSettings,
+) -> Result<BakeSettings, BakeError> {
+    let Some(error) = settings.error else {
+        return Ok(*settings);
+    };
+    let aim = error * AIM;
+    let mut trial = Trial::new(surface, places, *settings, run)?;
+    let mut chosen = trial.settings;
+    let mut found = trial.errors()?;
+    if found.total.mean <= aim {
+        // Fewer rays, while they will do.
+        for _ in 0..MOST_TRIALS {
+            let fewer = BakeSettings {
+                rays: trial.settings.rays / 2,
+                ..trial.settings
+            };
+            if !settings.free.rays || !RAYS.contains(&fewer.rays) {
+                break;
+            }
+            trial.change(fewer)?;
+            if trial.errors()?.total.mean > aim {
+                break;
+            }
+            chosen = fewer;
+        }
+        return Ok(chosen);
+    }
+    let mut best = found.total.mean;
+    for _ in 0..MOST_TRIALS {
+        let Some(next) = grown(&trial.settings, &found, surface.vertices.len()) else {
+            break;
+        };
+        trial.change(next)?;
+        found = trial.errors()?;
+        if found.total.mean < best {
+            (best, chosen) = (found.total.mean, next);
+        }
+        if best <= aim {
+            break;
+        }
+    }
+    Ok(chosen)
+}
+
+/// More of what is to blame for an error; `None` where nothing is free to grow.
+fn grown(settings: &BakeSettings, found: &ErrorParts, vertices: usize) -> Option<BakeSettings> {
+    let free = settings.free;
+    let mut next = *settings;
+    let functions = settings.function_count(vertices);
+    let most_functions = (vertices / VERTICES_A_FUNCTION) as u32;
+    let can_functions = free.functions && functions < most_functions;
+    let can_rays = free.rays && settings.rays < *RAYS.end();
+    let can_coefficients = free.coefficients && settings.coefficients < MOST_COEFFICIENTS;
+    let of_basis = found.basis.mean > OF_BASIS * found.total.mean;
+    if can_functions && (of_basis || !can_rays) {
+        next.functions = Some((functions * 2).min(most_functions));
+    } else if can_rays {
+        next.rays = (settings.rays * 2).min(*RAYS.end());
+    } else if !can_coefficients {
+        return None;
+    }
+    if can_coefficients {
+        next.coefficients = (settings.coefficients * 5 / 4).min(MOST_COEFFICIENTS);
+    }
+    Some(next)
+}
+
+/// Some partitions of a bake.
+struct Trial<'a> {
+    surface: &'a Surface,
+    places: &'a Places<'a>,
+    run: &'a RunSettings<'a>,
+    settings: BakeSettings,
+    basis: Basis,
+    importance: Importance,
+    lights: TestLights,
+    is_pilot: Vec<bool>,
+    receivers: Receivers,
+}
+
+impl<'a> Trial<'a> {
+    fn new(
+        surface: &'a Surface,
+        places: &'a Places<'a>,
+        settings: BakeSettings,
+        run: &'a RunSettings<'a>,
+    ) -> Result<Self, BakeError> {
+        let basis = spectral_basis(surface, &settings, run)?;
+        let importance = Importance::of(places, run, &basis)?;
+        let lights = TestLights::of(places, &basis, SEED);
+        let count = basis.part_count();
+        let pilots = PILOT_PARTS.min(count);
+        let mut is_pilot = vec![false; count];
+        (0..pilots).for_each(|i| is_pilot[(2 * i + 1) * count / (2 * pilots)] = true);
+        let slots: Vec<_> = (0..count as u32)
+            .filter(|&part| is_pilot[part as usize])
+            .map(|part| basis.slot_range(part))
+            .collect();
+        let of_pilots = |group: &(u32, u32)| {
+            let first = group.0 as usize;
+            slots.iter().any(|range| range.contains(&first))
+        };
+        let groups: Vec<(u32, u32)> = receiver_groups(&basis)
+            .into_iter()
+            .filter(of_pilots)
+            .collect();
+        let receivers = Receivers::among(surface, &basis, &groups, GROUPS);
+        Ok(Self {
+            surface,
+            places,
+            run,
+            settings,
+            basis,
+            importance,
+            lights,
+            is_pilot,
+            receivers,
+        })
+    }
+
+    /// Goes on with other settings. Partitions do not depend on them, functions
+    /// do.
+    fn change(&mut self, settings: BakeSettings) -> Result<(), BakeError> {
+        if settings.functions != self.settings.functions {
+            self.basis = spectral_basis(self.surface, &settings, self.run)?;
+            self.importance = Importance::of(self.places, self.run, &self.basis)?;
+        }
+        self.settings = settings;
+        Ok(())
+    }
+
+    fn errors(&self) -> Result<ErrorParts, BakeError> {
+        let (surface, basis) = (self.surface, &self.basis);
+        self.run.progress.stage("error budget", 1);
+        let (settings, run) = (&self.settings, self.run);
+        let task = Task {
+            surface,
+            settings,
+            run,
+            basis,
+            importance: &self.importance,
+        };
+        let operator = pilot_rows(task, &self.is_pilot)?;
+        let stored =
+            |fields: &_| in_threes(fields, |values| operator.apply(run.level, basis, values));
+        let job = (surface, basis, settings, run);
+        Ok(audit_at(
+            job,
+            &self.receivers,
+            &self.lights,
+            TRUE_RAYS,
+            stored,
+        ))
+    }
+}

@@ -1,0 +1,238 @@
+//! The rows of all receivers, sampled and factored partition by partition, so
+//! that no matrix of all vertices ever exists: a partition's rows are forgotten
+//! when their leading components are known.
+
+use rayon::prelude::*;
+
+use super::LowRank;
+use super::part::{Budget, FoundPart, Job};
+use super::quantise::{components, spread};
+use crate::bake::basis::Basis;
+use crate::bake::operator::{SkyRows, receiver_groups};
+use crate::bake::rows::{GroupRows, Rows};
+use crate::bake::sky::Sky;
+use crate::bake::stats::{BakeStats, GroupStats};
+use crate::bake::transfer::{GROUP, Sampling};
+use crate::bake::{BakeError, BakeSettings, Importance, RunSettings};
+use crate::surface::Surface;
+
+/// Samples, factors and quantises all rows, and those of the sky where the scene
+/// is open.
+pub(in crate::bake) fn sampled_rows(
+    task: Task,
+) -> Result<(LowRank, Option<Sky>, BakeStats), BakeError> {
+    let groups = receiver_groups(task.basis);
+    let sky = SkyRows::new(task.basis, task.sampling(), &groups);
+    if task.run.progress.cancelled() {
+        return Err(BakeError::Cancelled);
+    }
+    let found = of_parts(task, &sky, |_| true)?;
+    let sky = sky.finish(&found.stats, &found.sky);
+    let stats = BakeStats::of(&found.stats, task.settings, found.last_energy as f32);
+    Ok((found.operator, sky, stats))
+}
+
+/// The same of some partitions alone, without the sky; the receivers of the
+/// others are left in the dark.
+pub(in crate::bake) fn pilot_rows(task: Task, is_pilot: &[bool]) -> Result<LowRank, BakeError> {
+    let sky = SkyRows::unlimited(&[]);
+    let found = of_parts(task, &sky, |part| is_pilot[part as usize])?;
+    Ok(found.operator)
+}
+
+/// What a bake is made of.
+#[derive(Clone, Copy)]
+pub(in crate::bake) struct Task<'a> {
+    pub(in crate::bake) surface: &'a Surface,
+    pub(in crate::bake) settings: &'a BakeSettings,
+    pub(in crate::bake) run: &'a RunSettings<'a>,
+    pub(in crate::bake) basis: &'a Basis,
+    pub(in crate::bake) importance: &'a Importance,
+}
+
+/// An operator, and what else the same rays have told.
+struct Found {
+    operator: LowRank,
+    stats: Vec<GroupStats>,
+    sky: Vec<GroupRows>,
+    /// Energy for each byte of the last component that was kept.
+    last_energy: f64,
+}
+
+impl<'a> Task<'a> {
+    fn sampling(&self) -> Sampling<'a> {
+        Sampling {
+            surface: self.surface,
+            level: self.run.level,
+            slot_of_vertex: self.basis.slot_of_vertex(),
+            rays: self.settings.rays,
+        }
+    }
+}
+
+/// The operator for the receivers of some partitions.
+fn of_parts(
+    task: Task,
+    sky: &SkyRows,
+    is_wanted: impl Fn(u32) -> bool + Sync,
+) -> Result<Found, BakeError> {
+    let (basis, run) = (task.basis, task.run);
+    let groups = receiver_groups(basis);
+    let mut parts_in_order: Vec<u32> = (0..basis.part_count() as u32).collect();
+    parts_in_order.sort_by_key(|&part| first_vertex(basis, part));
+    let job = Job {
+        surface: task.surface,
+        basis,
+        parts_in_order: &parts_in_order,
+        sampling: task.sampling(),
+        importance: task.importance,
+        budget: Budget::of(task.settings.coefficients),
+        sky,
+    };
+    run.progress.stage("transfer", groups.len() as u64);
+    let parts: Vec<FoundPart> = (0..basis.part_count() as u32)
+        .into_par_iter()
+        .map(|part| {
+            if is_wanted(part) {
+                job.part(part, run)
+            } else {
+                Ok(job.dark_part(part))
+            }
+        })
+        .collect::<Result<_, _>>()?;
+
+    let wanted = (0..basis.part_count() as u32).filter(|&part| is_wanted(part));
+    let receivers: usize = wanted.map(|part| basis.slot_range(part).len()).sum();
+    let energy_a_byte = last_energy(&parts, job.budget.rank * receivers);
+    let stats: Vec<GroupStats> = parts.iter().flat_map(|p| &p.stats).copied().collect();
+    let sky_rows: Vec<GroupRows> = parts.iter().flat_map(|p| p.sky.clone()).collect();
+    let operator = job.quantise(parts, groups, energy_a_byte, run);
+    operator
+        .check(basis.slot_count(), basis.function_count())
+        .expect("tables that were just made fit each other");
+    Ok(Found {
+        operator,
+        stats,
+        sky: sky_rows,
+        last_energy: energy_a_byte,
+    })
+}
+
+impl Job<'_> {
+    /// The operator, with every partition's components that bring enough.
+    fn quantise(
+        &self,
+        parts: Vec<FoundPart>,
+        groups: Vec<(u32, u32)>,
+        energy_a_byte: f64,
+        run: &RunSettings,
+    ) -> LowRank {
+        let sigma = &self.importance.sigma;
+        let constant: Vec<f64> = self
+            .basis
+            .constant(run.level)
+            .iter()
+            .zip(sigma)
+            .map(|(&d, &s)| f64::from(d) / f64::from(s))
+            .collect();
+        let quantised: Vec<_> = parts
+            .into_par_iter()
+            .map(|part| {
+                let rank = rank_of(&part, energy_a_byte);
+                let found = components(
+                    &part.factors,
+                    &part.functions,
+                    rank,
+                    energy_a_byte,
+                    &constant,
+                );
+                let mut first = 0;
+                let rows: Vec<GroupRows> = part
+                    .near
+                    .into_iter()
+                    .map(|near| {
+                        let mut rows = near.rows;
+                        let count = GROUP.min(part.roots_of_area.len() - first);
+                        spread(
+                            &part.factors.left,
+                            &part.roots_of_area,
+                            (first, count),
+                            &found,
+                            (&near.targets, &near.sums),
+                            &mut rows,
+                        );
+                        first += count;
+                        rows
+                    })
+                    .collect();
+                (found, rank as u32, rows)
+            })
+            .collect();
+        let (mut component_groups, mut component_receivers) = (Vec::new(), Vec::new());
+        let (mut rows, mut first_components) = (Vec::new(), Vec::new());
+        let mut next = 0_u32;
+        for (found, rank, of_part) in quantised {
+            first_components.extend(std::iter::repeat_n(next, of_part.len()));
+            rows.extend(of_part);
+            for (group, count) in found.groups.into_iter().zip(found.counts) {
+                component_groups.push(group);
+                component_receivers.push((next, count));
+                next += count;
+            }
+            debug_assert_eq!(
+                first_components.last().map(|f| f + rank),
+                Some(next),
+                "all components of the part"
+            );
+        }
+        LowRank {
+            scales: sigma.iter().map(|s| 1.0 / s).collect(),
+            components: Rows::join(
+                0,
+                self.basis.function_count(),
+                component_receivers,
+                &component_groups,
+            ),
+            rows: Rows::join_runs(
+                self.basis.slot_count(),
+                next as usize,
+                groups,
+                &rows,
+                first_components,
+            ),
+        }
+    }
+}
+
+fn first_vertex(basis: &Basis, part: u32) -> u32 {
+    basis.vertex_of_slot()[basis.slot_range(part).start]
+}
+
+/// Energy for each byte of the last component that `bytes` of U pay for.
+fn last_energy(parts: &[FoundPart], bytes: usize) -> f64 {
+    let mut all: Vec<(f64, usize)> = parts
+        .iter()
+        .flat_map(|part| {
+            let bytes = part.factors.left.rows;
+            let energies = part.factors.energies.iter();
+            energies.map(move |&e| (e / bytes as f64, bytes))
+        })
+        .filter(|&(energy, _)| energy > 0.0)
+        .collect();
+    all.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let mut spent = 0;
+    for &(energy, cost) in &all {
+        spent += cost;
+        if spent >= bytes {
+            return energy;
+        }
+    }
+    0.0
+}
+
+/// Components of a partition that bring as much.
+fn rank_of(part: &FoundPart, energy_a_byte: f64) -> usize {
+    let bytes = part.factors.left.rows as f64;
+    let brings = |e: &&f64| **e > 0.0 && **e / bytes >= energy_a_byte;
+    part.factors.energies.iter().take_while(brings).count()
+}

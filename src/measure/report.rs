@@ -1,0 +1,435 @@
+//! The report: what was measured, in words, tables, plots and pictures.
+
+use super::MeasureError;
+use super::frame_errors::{BLOCK, Compared, TIMED_FRAMES, TRIED_SAMPLES};
+use super::paths::{PATHS, VERTICES};
+use super::run::{Measured, ReportSettings, Sweeps, Vertices, measure};
+use super::statistics::over_lights;
+use super::sweeps::Swept;
+use super::tables;
+use super::vertices::{BOUNCES, LAST_RAYS, MANY_POINTS, test_lights};
+use crate::bake::{LIGHTS, LightErrors, RunSettings, Scheme};
+use crate::report::{Fact, Report, ReportFile, Section};
+use crate::scene::{Bounces, Scene};
+
+/// A report with what matters most of it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MeasuredReport {
+    /// The report's files.
+    pub files: Vec<ReportFile>,
+    /// Main figures.
+    pub figures: MainFigures,
+    /// What is out of the usual; the report says it too.
+    pub warnings: Vec<String>,
+}
+
+/// Main figures of a report. Errors are relative (0.01 is one per cent); `None`
+/// was not measured.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MainFigures {
+    /// Lighting vertices.
+    pub vertices: usize,
+    /// Vertices that were compared.
+    pub receivers: Option<usize>,
+    /// By scheme.
+    pub schemes: Vec<SchemeFigures>,
+    /// What the bake states of itself, by fewer receivers under other lights; one
+    /// bounce on white.
+    pub stated: Option<LightErrors>,
+    /// Noise of the truth at the vertices, mean over lights, one bounce and four.
+    pub truth_noise: Option<[f64; 2]>,
+    /// (bytes a vertex, error of the published scheme over that of relume's own),
+    /// one bounce; only where the sweep reaches.
+    pub ratios_at_equal_bytes: Vec<(f64, f64)>,
+    /// Of the frame against the path tracer.
+    pub images: Vec<ImageFigures>,
+    /// Seconds of the bake by the clock.
+    pub bake_seconds: f64,
+    /// Threads that it ran on.
+    pub threads: usize,
+    /// Seconds of the whole report by the clock.
+    pub seconds: f64,
+}
+
+/// One scheme at the defaults.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SchemeFigures {
+    /// Which.
+    pub scheme: Scheme,
+    /// Bytes of the operator.
+    pub bytes_per_vertex: f64,
+    /// After one bounce on white.
+    pub one_bounce: LightErrors,
+    /// After four bounces on the scene's grey.
+    pub four_bounces: LightErrors,
+    /// Milliseconds of four bounces.
+    pub relight_ms: f64,
+}
+
+/// One component of the frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ImageFigures {
+    /// Name of the component.
+    pub component: &'static str,
+    /// relRMSE of pixels and of blocks without the reference's noise.
+    pub relative_rmse: [f64; 2],
+    /// The reference's noise, of pixels and of blocks.
+    pub noise: [f64; 2],
+    /// Of the image's sum.
+    pub bias: f64,
+    /// FLIP: mean and 95th percentile.
+    pub flip: [f64; 2],
+    /// FLIP between the halves of the reference, mean.
+    pub flip_of_halves: f64,
+    /// Milliseconds of one thread for a frame.
+    pub frame_ms: f64,
+    /// Seconds of one thread that the path tracer needs for the same error, of
+    /// pixels and of blocks.
+    pub path_seconds: [f64; 2],
+    /// The same over the frame's time.
+    pub ratios: [f64; 2],
+    /// Frames after which the bake has paid; `None`: never.
+    pub break_even_frames: [Option<f64>; 2],
+}
+
+/// Measures a scene and writes its speed-against-error report. Nothing comes
+/// from or goes to a cache; all but times is the same on every machine.
+///
+/// # Errors
+/// If a chapter fails or the job is stopped.
+pub fn report(
+    scene: Scene,
+    settings: &ReportSettings,
+    run: &RunSettings,
+) -> Result<MeasuredReport, MeasureError> {
+    let mut measured = measure(scene, settings, run)?;
+    let figures = main_figures(&measured);
+    let report = Report {
+        title: format!("{}: speed against error", measured.settings.name),
+        summary: facts(&measured, &figures),
+        sections: sections(&mut measured),
+    };
+    Ok(MeasuredReport {
+        files: report.files()?,
+        figures,
+        warnings: measured.warnings,
+    })
+}
+
+fn main_figures(measured: &Measured) -> MainFigures {
+    let vertices = measured.vertices.as_ref();
+    let schemes = vertices.iter().flat_map(|found| &found.schemes);
+    let noise = |found: &Vertices| {
+        let noise = found.truth.noise();
+        noise.map(|by_light| over_lights(&test_lights(&by_light), |_| true).mean)
+    };
+    let points = measured.sweeps.as_ref().and_then(coefficients);
+    let equal = points
+        .map(|points| tables::at_equal_bytes(points, 0))
+        .unwrap_or_default();
+    let bake_seconds = measured.bake_seconds * measured.threads as f64;
+    MainFigures {
+        vertices: measured.figures.vertices,
+        receivers: vertices.map(|found| found.truth.receivers.len()),
+        schemes: schemes
+            .map(|scheme| SchemeFigures {
+                scheme: scheme.settings.scheme,
+                bytes_per_vertex: scheme.point.bytes_per_vertex,
+                one_bounce: scheme.errors.all(0),
+                four_bounces: scheme.errors.all(1),
+                relight_ms: scheme.point.relight_ms,
+            })
+            .collect(),
+        stated: measured.figures.bake.map(|bake| bake.stats.errors.total),
+        truth_noise: vertices.map(noise),
+        ratios_at_equal_bytes: equal
+            .into_iter()
+            .filter_map(|(bytes, errors)| Some((bytes, tables::ratio(errors)?)))
+            .collect(),
+        images: measured
+            .image
+            .iter()
+            .flatten()
+            .map(|it| image_figures(it, bake_seconds))
+            .collect(),
+        bake_seconds: measured.bake_seconds,
+        threads: measured.threads,
+        seconds: measured
+            .chapter_seconds
+            .iter()
+            .map(|(_, seconds)| seconds)
+            .sum(),
+    }
+}
+
+fn image_figures(it: &Compared, bake_seconds: f64) -> ImageFigures {
+    ImageFigures {
+        component: it.component_name(),
+        relative_rmse: it.rms.map(|rms| rms.corrected()),
+        noise: it.rms.map(|rms| rms.noise),
+        bias: it.bias,
+        flip: [it.flip.mean(), it.flip.percentile(95.0)],
+        flip_of_halves: it.flip_of_halves,
+        frame_ms: it.frame_ms,
+        path_seconds: [0, 1].map(|which| it.paths[which].seconds),
+        ratios: it.ratios(),
+        break_even_frames: [0, 1].map(|which| it.break_even(which, bake_seconds)),
+    }
+}
+
+fn coefficients(sweeps: &Sweeps) -> Option<&[super::sweeps::Point]> {
+    let found = sweeps
+        .points
+        .iter()
+        .find(|(swept, _)| *swept == Swept::Coefficients);
+    found.map(|(_, points)| points.as_slice())
+}
+
+fn fact(label: &str, value: String, note: &str) -> Fact {
+    Fact {
+        label: label.to_owned(),
+        value,
+        note: note.to_owned(),
+    }
+}
+
+fn percent(value: f64) -> String {
+    format!("{:.2} %", value * 100.0)
+}
+
+fn facts(measured: &Measured, figures: &MainFigures) -> Vec<Fact> {
+    let [width, height] = measured.settings.frame.camera.size;
+    let mut facts = vec![fact(
+        "scene",
+        format!("{} vertices", figures.vertices),
+        &format!(
+            "{} triangles, frames of {width} x {height}, {}",
+            measured.figures.triangles,
+            bounces(measured.settings.frame.bounces)
+        ),
+    )];
+    for scheme in &figures.schemes {
+        facts.push(fact(
+            &format!("error, {}", scheme.scheme.name()),
+            percent(scheme.one_bounce.mean),
+            &format!(
+                "one bounce, {:.0} bytes a vertex; 95th percentile {}, signed {:+.3} %; four \
+                 bounces {} and {}",
+                scheme.bytes_per_vertex,
+                percent(scheme.one_bounce.p95),
+                scheme.one_bounce.signed * 100.0,
+                percent(scheme.four_bounces.mean),
+                percent(scheme.four_bounces.p95),
+            ),
+        ));
+    }
+    if let Some(stated) = figures.stated {
+        facts.push(fact(
+            "error, stated",
+            percent(stated.mean),
+            &format!(
+                "by the bake itself, one bounce, other lights, fewer vertices; 95th percentile {}",
+                percent(stated.p95)
+            ),
+        ));
+    }
+    for &(bytes, ratio) in &figures.ratios_at_equal_bytes {
+        let note = format!("at {bytes:.0} bytes a vertex, one bounce");
+        facts.push(fact("paper / relume", format!("{ratio:.2}"), &note));
+    }
+    for image in &figures.images {
+        facts.push(fact(
+            &format!("FLIP, {}", image.component),
+            format!("{:.4}", image.flip[0]),
+            &format!(
+                "mean; 95th percentile {:.4}; between the reference's own halves {:.4}",
+                image.flip[1], image.flip_of_halves
+            ),
+        ));
+        facts.push(fact(
+            &format!("paths / frame, {}", image.component),
+            format!("{:.0}", image.ratios[0]),
+            &format!(
+                "time of one thread at equal relRMSE of pixels ({}); {:.0} at that of {BLOCK} x \
+                 {BLOCK} blocks",
+                percent(image.relative_rmse[0]),
+                image.ratios[1]
+            ),
+        ));
+    }
+    facts.push(fact(
+        "bake",
+        format!("{:.1} s", figures.bake_seconds),
+        &format!("by the clock, threads: {}", figures.threads),
+    ));
+    for warning in &measured.warnings {
+        facts.push(fact("warning", "note".to_owned(), warning));
+    }
+    facts
+}
+
+fn bounces(bounces: Bounces) -> String {
+    match bounces {
+        Bounces::Count(1) => "1 bounce".to_owned(),
+        Bounces::Count(count) => format!("{count} bounces"),
+        Bounces::All => "all bounces".to_owned(),
+    }
+}
+
+fn sections(measured: &mut Measured) -> Vec<Section> {
+    let comparisons = std::mem::take(&mut measured.comparisons);
+    let pictures = std::mem::take(&mut measured.pictures);
+    let mut sections = Vec::new();
+    if let Some(found) = &measured.vertices {
+        sections.push(vertex_section(found, measured.figures.vertices));
+    }
+    if let Some(sweeps) = &measured.sweeps {
+        sections.push(sweep_section(sweeps));
+    }
+    if let Some(image) = &measured.image {
+        let mut section = image_section(image, measured);
+        section.blocks.extend(comparisons);
+        sections.push(section);
+    }
+    sections.push(Section {
+        heading: "Pictures".to_owned(),
+        anchor: "pictures".to_owned(),
+        paragraphs: vec![
+            "The functions are those of the partition in the middle of the picture.".to_owned(),
+        ],
+        blocks: pictures,
+    });
+    sections.push(Section {
+        heading: "This report".to_owned(),
+        anchor: "this-report".to_owned(),
+        paragraphs: Vec::new(),
+        blocks: vec![tables::chapter_times(&measured.chapter_seconds)],
+    });
+    sections
+}
+
+fn vertex_section(found: &Vertices, vertex_count: usize) -> Section {
+    let receivers = found.truth.receivers.len();
+    let compared = if receivers == vertex_count {
+        format!("All {receivers} vertices are compared.")
+    } else {
+        format!(
+            "{receivers} of {vertex_count} vertices are compared, spread evenly over the scene."
+        )
+    };
+    Section {
+        heading: "Indirect light at the vertices".to_owned(),
+        anchor: "vertices".to_owned(),
+        paragraphs: vec![
+            format!(
+                "{LIGHTS} test lights that chose and tuned nothing (points and spots in free \
+                 space; suns and skies where the scene is open). The error of a light is \
+                 sqrt(sum A (E - R)^2 / sum A R^2) of its indirect light alone, the signed error \
+                 that of its sum; mean, 95th percentile, worst and signed mean are over the \
+                 lights."
+            ),
+            format!(
+                "{compared} R is their row of the true transfer, by {} rays in two independent \
+                 halves, whose difference is its noise. The bounces before the last one use a row \
+                 of every vertex, sampled in the same halves. Rows are used and forgotten one by \
+                 one, so no matrix of all vertices exists.",
+                2 * LAST_RAYS
+            ),
+            format!(
+                "One bounce is that of direct light on white surfaces, what a bake states of \
+                 itself too; {BOUNCES} bounces are on the scene's albedo, the mean of its \
+                 channels."
+            ),
+            format!(
+                "Parts: noise is that of the sampled rows, before anything is left out; basis \
+                 what the functions cannot express with the near field; compression what is \
+                 stored against the sampled rows on all functions. Vertex sampling compares \
+                 direct light by up to 8 points of each area with that by {MANY_POINTS}, through \
+                 the same true rows; areas partly inside a body keep their points, and skies are \
+                 left out."
+            ),
+            format!(
+                "Against the path tracer: up to {VERTICES} random vertices, {PATHS} paths each, \
+                 from points of the vertex's area. That error holds everything, the \
+                 discretisation of light into vertices too."
+            ),
+        ],
+        blocks: vec![
+            tables::vertex_errors(found),
+            tables::parts(found),
+            tables::errors_by_kind(found),
+            tables::extremes(found),
+            tables::paths(found),
+        ],
+    }
+}
+
+fn sweep_section(sweeps: &Sweeps) -> Section {
+    let mut paragraphs = vec![
+        "Every point is a bake of its own, measured at the same vertices under the same lights; \
+         what a sweep does not change has its default. Functions are those of the basis as \
+         built: equal eigenvalues stay together. Bytes are those of the operator, without the \
+         basis. Milliseconds are the least of several tries on all threads, of the bounces alone."
+            .to_owned(),
+    ];
+    if !sweeps.keeps_rays {
+        paragraphs.push(
+            "The scene is large: the sweeps have few points, and that of rays is left out."
+                .to_owned(),
+        );
+    }
+    let mut blocks = Vec::new();
+    for (swept, points) in &sweeps.points {
+        if *swept == Swept::Rays && !sweeps.keeps_rays {
+            continue;
+        }
+        blocks.extend(tables::sweep_plots(*swept, points));
+        blocks.push(tables::sweep_table(*swept, points));
+        if *swept == Swept::Coefficients {
+            blocks.push(tables::equal_bytes(points));
+        }
+    }
+    Section {
+        heading: "Error against what it costs".to_owned(),
+        anchor: "sweeps".to_owned(),
+        paragraphs,
+        blocks,
+    }
+}
+
+fn image_section(image: &[Compared], measured: &Measured) -> Section {
+    let [width, height] = measured.settings.frame.camera.size;
+    let bake_seconds = measured.bake_seconds * measured.threads as f64;
+    let tried = TRIED_SAMPLES.map(|samples| samples.to_string()).join(", ");
+    Section {
+        heading: "Frames against the path tracer".to_owned(),
+        anchor: "image".to_owned(),
+        paragraphs: vec![
+            format!(
+                "{width} x {height} pixels, {}, against {} paths a pixel in two halves of \
+                 independent seeds; direct light is traced apart with as many. relRMSE is \
+                 sqrt(sum (frame - reference)^2 / sum reference^2) of linear light, bias the same \
+                 of the sums; half the difference of the halves is the reference's noise, which \
+                 is taken off in quadrature. FLIP is that of the developed frames, with the \
+                 reference's noise in it: the halves differ by twice that noise.",
+                bounces(measured.settings.frame.bounces),
+                measured.settings.samples / 2 * 2,
+            ),
+            format!(
+                "Times are of one thread by the clock: the median of {TIMED_FRAMES} frames in \
+                 which every light changed, and the path tracer at {} paths a pixel. Its error is \
+                 measured at {tried} paths. The bake took {:.1} s on {} threads; break-even \
+                 counts their product.",
+                TRIED_SAMPLES[TRIED_SAMPLES.len() - 1],
+                measured.bake_seconds,
+                measured.threads,
+            ),
+        ],
+        blocks: vec![
+            tables::image_errors(image),
+            tables::image_flip(image),
+            tables::image_times(image, bake_seconds),
+            tables::path_errors(image),
+        ],
+    }
+}

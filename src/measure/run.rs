@@ -1,0 +1,276 @@
+//! The whole measurement of a scene, chapter by chapter.
+
+use std::time::Instant;
+
+use glam::Vec3;
+
+use super::MeasureError;
+use super::frame_errors::{self, Compared};
+use super::paths::{self, LightAgainstPaths, Subject};
+use super::pictures;
+use super::sweeps::{MOST_RAYS, Point, Sweeper, Swept};
+use super::vertices::{Parts, SchemeErrors, Truth};
+use crate::bake::{Bake, BakeError, BakeSettings, RunSettings, Scheme, Study};
+use crate::relight::{FrameSettings, Renderer, SceneFigures, VertexColours};
+use crate::report::Block;
+use crate::scene::Scene;
+use crate::surface::Surface;
+
+/// Up to so many vertices the rays of all rows are kept for the sweeps: 33 kB a
+/// vertex.
+const KEPT_VERTICES: usize = 20_000;
+/// Beyond so many, the chapters of vertices and sweeps would take hours.
+const MOST_VERTICES: usize = 100_000;
+
+/// What a report is made with.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ReportSettings {
+    /// What the scene is called.
+    pub name: String,
+    /// Camera, size and bounces of the frames; the component does not matter.
+    pub frame: FrameSettings,
+    /// Paths a pixel of the reference, in two halves; at least 4.
+    pub samples: u32,
+}
+
+/// What was measured. A chapter that could not be is `None`, and `warnings` says
+/// why.
+pub(super) struct Measured {
+    pub(super) settings: ReportSettings,
+    pub(super) figures: SceneFigures,
+    pub(super) threads: usize,
+    /// Seconds of the bake by the clock.
+    pub(super) bake_seconds: f64,
+    pub(super) vertices: Option<Vertices>,
+    pub(super) sweeps: Option<Sweeps>,
+    pub(super) image: Option<Vec<Compared>>,
+    pub(super) comparisons: Vec<Block>,
+    pub(super) pictures: Vec<Block>,
+    pub(super) warnings: Vec<String>,
+    /// Seconds of each chapter by the clock.
+    pub(super) chapter_seconds: Vec<(&'static str, f64)>,
+}
+
+/// Chapter of the vertices.
+pub(super) struct Vertices {
+    pub(super) truth: Truth,
+    /// In the order of [`Scheme::ALL`].
+    pub(super) schemes: Vec<SchemeResult>,
+    pub(super) paths: Vec<[LightAgainstPaths; 2]>,
+}
+
+/// One scheme at the defaults.
+pub(super) struct SchemeResult {
+    pub(super) settings: BakeSettings,
+    pub(super) point: Point,
+    pub(super) errors: SchemeErrors,
+    pub(super) parts: Parts,
+}
+
+/// Chapter of the sweeps.
+pub(super) struct Sweeps {
+    pub(super) points: Vec<(Swept, Vec<Point>)>,
+    pub(super) keeps_rays: bool,
+}
+
+/// Measures a scene; every figure is of this run.
+pub(super) fn measure(
+    scene: Scene,
+    settings: &ReportSettings,
+    run: &RunSettings,
+) -> Result<Measured, MeasureError> {
+    let mut renderer = Renderer::new(scene, None);
+    let mut clock = Chapters::default();
+    let bake_seconds = {
+        let start = Instant::now();
+        renderer.bake(run)?;
+        start.elapsed().as_secs_f64()
+    };
+    clock.next("bake");
+    let mut warnings = renderer.take_warnings();
+    warnings.extend(Scheme::Paper.warning());
+    let (vertices, sweeps) = transfer_chapters(&renderer, &mut warnings, &mut clock, run)?;
+    let has_light = has_light(renderer.scene());
+    let mut comparisons = Vec::new();
+    let image = if has_light {
+        let found =
+            frame_errors::against_paths(&mut renderer, &settings.frame, settings.samples, run)?;
+        for compared in &found {
+            comparisons.push(pictures::comparison(renderer.scene(), compared)?);
+        }
+        Some(found)
+    } else {
+        warnings.push("the scene has no light: frames are not compared with paths".to_owned());
+        None
+    };
+    clock.next("image");
+    let pictures = pictures::components(&mut renderer, &settings.frame, has_light, run)?;
+    clock.next("pictures");
+    Ok(Measured {
+        settings: settings.clone(),
+        figures: renderer.figures(),
+        threads: rayon::current_num_threads(),
+        bake_seconds,
+        vertices,
+        sweeps,
+        image,
+        comparisons,
+        pictures,
+        warnings,
+        chapter_seconds: clock.seconds,
+    })
+}
+
+/// Clock of the chapters.
+struct Chapters {
+    since: Instant,
+    seconds: Vec<(&'static str, f64)>,
+}
+
+impl Default for Chapters {
+    fn default() -> Self {
+        Self {
+            since: Instant::now(),
+            seconds: Vec::new(),
+        }
+    }
+}
+
+impl Chapters {
+    /// What went by since the last chapter belongs to this one.
+    fn next(&mut self, chapter: &'static str) {
+        self.seconds
+            .push((chapter, self.since.elapsed().as_secs_f64()));
+        self.since = Instant::now();
+    }
+}
+
+fn has_light(scene: &Scene) -> bool {
+    let emits = |material: &crate::scene::Material| material.emission != Vec3::ZERO;
+    !scene.lights.is_empty() || scene.materials.iter().any(emits)
+}
+
+/// The chapters that look at the transfer itself.
+fn transfer_chapters(
+    renderer: &Renderer,
+    warnings: &mut Vec<String>,
+    clock: &mut Chapters,
+    run: &RunSettings,
+) -> Result<(Option<Vertices>, Option<Sweeps>), MeasureError> {
+    let (surface, bake) = renderer.transfer();
+    let bake = bake.expect("the renderer has baked");
+    let count = surface.vertices.len();
+    if count > MOST_VERTICES {
+        warnings.push(format!(
+            "{count} vertices are too many for the chapters of vertices and sweeps, which end at \
+             {MOST_VERTICES}; set bake.max_edge to a longer edge to have them"
+        ));
+        return Ok((None, None));
+    }
+    let keeps_rays = count <= KEPT_VERTICES;
+    let kept = if keeps_rays { MOST_RAYS } else { 0 };
+    let surface = Study::surface(renderer.scene(), bake, kept, run)?;
+    let study = Study::new(&surface, bake, run)?;
+    if !study.has_bounces() {
+        warnings
+            .push("no surface of the scene sees another: there is no indirect light".to_owned());
+        return Ok((None, None));
+    }
+    if !keeps_rays {
+        warnings.push(format!(
+            "{count} vertices: a subset of them is compared, and the sweeps have fewer points \
+             (all up to {KEPT_VERTICES})"
+        ));
+    }
+    let albedo = albedo(renderer.scene(), &surface);
+    let found = vertices(
+        &study,
+        &surface,
+        (renderer.scene(), bake, &albedo),
+        keeps_rays,
+        run,
+    )?;
+    clock.next("vertices");
+    let sweeps = sweeps(&study, &found, keeps_rays, run)?;
+    clock.next("sweeps");
+    Ok((Some(found), Some(sweeps)))
+}
+
+/// Colour of the vertices.
+fn albedo(scene: &Scene, surface: &Surface) -> Vec<Vec3> {
+    let mut colours = VertexColours::default();
+    colours.update(scene, surface);
+    colours.albedo(scene, surface)
+}
+
+fn vertices(
+    study: &Study,
+    surface: &Surface,
+    (scene, bake, albedo): (&Scene, &Bake, &[Vec3]),
+    keeps_rays: bool,
+    run: &RunSettings,
+) -> Result<Vertices, BakeError> {
+    let grey = albedo.iter().map(|rho| rho.element_sum() / 3.0).collect();
+    let truth = Truth::find(study, surface, bake, grey, run)?;
+    let sweeper = Sweeper {
+        study,
+        truth: &truth,
+        keeps_rays,
+    };
+    let mut bakes = Vec::new();
+    let mut schemes = Vec::new();
+    for scheme in Scheme::ALL {
+        let settings = BakeSettings::of_scheme(scheme, &scene.bake);
+        let bake = study.bake(&settings, run)?;
+        let point = Point {
+            is_default: true,
+            ..sweeper.point(&bake, &settings, run)
+        };
+        schemes.push(SchemeResult {
+            settings,
+            point,
+            errors: truth.scheme(&bake, run),
+            parts: truth.parts(study, &bake, &settings, run),
+        });
+        bakes.push(bake);
+    }
+    let subject = Subject {
+        scene,
+        surface,
+        bakes: [&bakes[0], &bakes[1]],
+        albedo,
+    };
+    let paths = paths::against_paths(&subject, &truth.lights, run)?;
+    Ok(Vertices {
+        truth,
+        schemes,
+        paths,
+    })
+}
+
+fn sweeps(
+    study: &Study,
+    vertices: &Vertices,
+    keeps_rays: bool,
+    run: &RunSettings,
+) -> Result<Sweeps, BakeError> {
+    let sweeper = Sweeper {
+        study,
+        truth: &vertices.truth,
+        keeps_rays,
+    };
+    let default = |scheme: usize| {
+        let scheme = &vertices.schemes[scheme];
+        let point = Point {
+            uncut: Some(scheme.parts.uncut.mean),
+            ..scheme.point
+        };
+        (scheme.settings, point)
+    };
+    let defaults = [default(0), default(1)];
+    let points = Swept::ALL
+        .into_iter()
+        .map(|swept| Ok((swept, sweeper.sweep(swept, &defaults, run)?)))
+        .collect::<Result<_, BakeError>>()?;
+    Ok(Sweeps { points, keeps_rays })
+}

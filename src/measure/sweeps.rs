@@ -1,0 +1,186 @@
+//! Error against what a bake may spend: functions, coefficients, rays. Every
+//! point is a bake of its own; all share the traced rays.
+
+use std::time::Instant;
+
+use glam::Vec3;
+
+use super::vertices::{BOUNCES, Truth};
+use crate::bake::{Bake, BakeError, BakeSettings, LightErrors, RunSettings, Scheme, Study};
+use crate::relight::Transport;
+use crate::scene::Bounces;
+
+/// Points of a sweep. (At 256 coefficients relume's own scheme, which leaves out
+/// components that are noise, has 130 bytes a vertex: 512 bring it to those of the
+/// published scheme.)
+const FUNCTIONS: [u32; 7] = [32, 64, 128, 256, 512, 1024, 2048];
+const COEFFICIENTS: [u32; 6] = [16, 32, 64, 128, 256, 512];
+const RAYS: [u32; 4] = [256, 512, 1024, 2048];
+/// Points for a scene whose rays are not kept, where a bake traces its own.
+const FEW_COEFFICIENTS: [u32; 3] = [32, 64, 128];
+const FEW_FUNCTIONS: [u32; 2] = [256, 1024];
+/// Most rays a vertex of a sweep.
+pub(super) const MOST_RAYS: u32 = 2048;
+/// Times that the bounces of a point are timed; the least counts, since other
+/// programs only ever add to it.
+pub(super) const TIMED: usize = 15;
+
+/// What a sweep changes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Swept {
+    /// Functions of the basis.
+    Functions,
+    /// Coefficients a vertex.
+    Coefficients,
+    /// Rays a vertex.
+    Rays,
+}
+
+impl Swept {
+    pub(super) const ALL: [Self; 3] = [Self::Functions, Self::Coefficients, Self::Rays];
+
+    fn values(self, keeps_rays: bool) -> &'static [u32] {
+        match (self, keeps_rays) {
+            (Self::Functions, true) => &FUNCTIONS,
+            (Self::Coefficients, true) => &COEFFICIENTS,
+            (Self::Rays, true) => &RAYS,
+            (Self::Functions, false) => &FEW_FUNCTIONS,
+            (Self::Coefficients, false) => &FEW_COEFFICIENTS,
+            (Self::Rays, false) => &[],
+        }
+    }
+
+    fn put(self, settings: &BakeSettings, value: u32) -> BakeSettings {
+        let mut settings = *settings;
+        match self {
+            Self::Functions => settings.functions = Some(value),
+            Self::Coefficients => settings.coefficients = value,
+            Self::Rays => settings.rays = value,
+        }
+        settings
+    }
+}
+
+/// One bake of a sweep.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Point {
+    pub(super) scheme: Scheme,
+    pub(super) is_default: bool,
+    /// What the settings ask for.
+    pub(super) functions_asked: u32,
+    pub(super) coefficients_asked: u32,
+    pub(super) rays: u32,
+    /// What the bake has.
+    pub(super) functions: usize,
+    pub(super) coefficients: f64,
+    /// Of the operator; the basis is apart.
+    pub(super) bytes_per_vertex: f64,
+    /// After one bounce and after four.
+    pub(super) errors: [LightErrors; 2],
+    /// One bounce on all functions, nothing cut or quantised (functions alone).
+    pub(super) uncut: Option<f64>,
+    /// Four bounces of RGB light, all threads, the least of [`TIMED`].
+    pub(super) relight_ms: f64,
+}
+
+/// What points are measured by.
+pub(super) struct Sweeper<'a> {
+    pub(super) study: &'a Study<'a>,
+    pub(super) truth: &'a Truth,
+    pub(super) keeps_rays: bool,
+}
+
+impl Sweeper<'_> {
+    /// Bakes and measures all points of a sweep, those of the defaults included
+    /// (as they were found before).
+    pub(super) fn sweep(
+        &self,
+        swept: Swept,
+        defaults: &[(BakeSettings, Point); 2],
+        run: &RunSettings,
+    ) -> Result<Vec<Point>, BakeError> {
+        let mut points = Vec::new();
+        for (settings, default) in defaults {
+            let mut found = vec![*default];
+            for &value in swept.values(self.keeps_rays) {
+                if run.progress.cancelled() {
+                    return Err(BakeError::Cancelled);
+                }
+                let settings = swept.put(settings, value);
+                let is_default = match swept {
+                    Swept::Functions => value == default.functions_asked,
+                    Swept::Coefficients => value == default.coefficients_asked,
+                    Swept::Rays => value == default.rays,
+                };
+                if is_default {
+                    continue;
+                }
+                let bake = self.study.bake(&settings, run)?;
+                let mut point = self.point(&bake, &settings, run);
+                if swept == Swept::Functions {
+                    point.uncut = Some(self.uncut(&bake, &settings, run));
+                }
+                found.push(point);
+            }
+            found.sort_by(|a, b| swept.place(a).total_cmp(&swept.place(b)));
+            points.extend(found);
+        }
+        Ok(points)
+    }
+
+    fn uncut(&self, bake: &Bake, settings: &BakeSettings, run: &RunSettings) -> f64 {
+        run.progress.stage("functions alone", 1);
+        self.truth.parts(self.study, bake, settings, run).uncut.mean
+    }
+
+    /// Measures a bake.
+    pub(super) fn point(&self, bake: &Bake, settings: &BakeSettings, run: &RunSettings) -> Point {
+        run.progress.stage("error", 1);
+        let errors = self.truth.scheme(bake, run);
+        let slots = bake.basis().slot_count().max(1);
+        Point {
+            scheme: settings.scheme,
+            is_default: false,
+            functions_asked: settings.function_count(slots),
+            coefficients_asked: settings.coefficients,
+            rays: settings.rays,
+            functions: bake.basis().function_count(),
+            coefficients: bake.operator().coefficients_per_vertex(),
+            bytes_per_vertex: bake.operator().bytes() as f64 / slots as f64,
+            errors: [errors.all(0), errors.all(1)],
+            uncut: None,
+            relight_ms: self.relight_ms(bake, run),
+        }
+    }
+
+    fn relight_ms(&self, bake: &Bake, run: &RunSettings) -> f64 {
+        let transport = Transport {
+            bake,
+            level: run.level,
+        };
+        let albedo: Vec<Vec3> = self
+            .truth
+            .albedo()
+            .iter()
+            .map(|&a| Vec3::splat(a))
+            .collect();
+        let times = (0..TIMED).map(|_| {
+            let start = Instant::now();
+            let solved = transport.solve(&albedo, &albedo, Bounces::Count(BOUNCES));
+            std::hint::black_box(solved.is_ok());
+            start.elapsed().as_secs_f64() * 1e3
+        });
+        times.fold(f64::INFINITY, f64::min)
+    }
+}
+
+impl Swept {
+    /// Where a point stands on the horizontal axis.
+    pub(super) fn place(self, point: &Point) -> f64 {
+        match self {
+            Self::Functions => point.functions as f64,
+            Self::Coefficients => point.coefficients,
+            Self::Rays => f64::from(point.rays),
+        }
+    }
+}
