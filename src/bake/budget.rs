@@ -195,3 +195,82 @@ impl<'a> Trial<'a> {
         ))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Bake, Scheme, bake};
+    use super::*;
+    use crate::bake::FreeKeys;
+    use crate::bake::audit::LightErrors;
+    use crate::scene::sample_scenes::room_with_blocks;
+    use crate::surface::Detail;
+
+    fn of_mean(mean: f64) -> LightErrors {
+        LightErrors {
+            mean,
+            ..LightErrors::default()
+        }
+    }
+
+    #[test]
+    fn what_is_to_blame_grows_and_what_is_set_stays() {
+        let mut settings = BakeSettings::of_keys(&room_with_blocks(true, 0.3, 64).bake);
+        settings.free = FreeKeys {
+            rays: true,
+            functions: true,
+            coefficients: true,
+        };
+        (settings.functions, settings.rays) = (Some(100), 512);
+        let basis = ErrorParts {
+            total: of_mean(0.10),
+            basis: of_mean(0.09),
+            ..ErrorParts::default()
+        };
+        let noise = ErrorParts {
+            basis: of_mean(0.02),
+            ..basis
+        };
+        let next = grown(&settings, &basis, 10_000).unwrap();
+        assert_eq!((next.functions, next.rays), (Some(200), 512));
+        let next = grown(&settings, &noise, 10_000).unwrap();
+        assert_eq!((next.functions, next.rays), (Some(100), 1024));
+        assert!(next.coefficients > settings.coefficients);
+        settings.free.functions = false;
+        let next = grown(&settings, &basis, 10_000).unwrap();
+        assert_eq!((next.functions, next.rays), (Some(100), 1024));
+        settings.free = FreeKeys {
+            rays: false,
+            functions: false,
+            coefficients: false,
+        };
+        assert_eq!(grown(&settings, &basis, 10_000), None);
+    }
+
+    fn baked(error: Option<f64>, rays: Option<u32>) -> Bake {
+        let mut scene = room_with_blocks(false, 0.3, 64);
+        (scene.bake.error, scene.bake.rays) = (error, rays);
+        let mut surface = Surface::fronts(&scene, &Detail::of_keys(&scene.bake));
+        let settings = BakeSettings::of_scheme(Scheme::Relume, &scene.bake);
+        bake(&mut surface, &settings, &RunSettings::silent()).unwrap()
+    }
+
+    #[test]
+    fn an_error_is_reached_or_the_bake_says_why_not() {
+        let easy = baked(Some(0.2), None);
+        assert!(easy.stats().shortfall().is_none());
+        assert!(easy.stats().errors.total.mean <= 0.2);
+        let hard = baked(Some(0.1), None);
+        assert!(hard.stats().rays >= easy.stats().rays);
+        assert!(hard.stats().errors.total.mean < easy.stats().errors.total.mean);
+        let fixed = baked(Some(0.001), Some(64));
+        assert_eq!(fixed.stats().rays, 64, "a key that is set stays");
+        let why = fixed
+            .stats()
+            .shortfall()
+            .expect("nothing reaches 0.1 % by 64 rays");
+        assert!(
+            why.contains("0.1 % were asked for") && why.contains("bake."),
+            "{why}"
+        );
+    }
+}
