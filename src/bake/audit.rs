@@ -15,9 +15,8 @@ use super::compress::near_split;
 use super::operator::{receiver_groups, vertices_of};
 use super::test_lights::{Fields, LIGHTS, TestLights};
 use super::transfer::{self, GROUP, GroupTransfer, Sampling, sample_group, vertex_rays};
-use super::{Bake, BakeSettings, RunSettings, low_rank};
+use super::{Bake, BakeSettings, RunSettings};
 use crate::bake::basis::Basis;
-use crate::bake::scheme::Scheme;
 use crate::simd::Level;
 use crate::surface::{NONE, Surface};
 
@@ -161,18 +160,25 @@ impl Receivers {
     /// does not arrive.
     pub(crate) fn errors(&self, truth: &Fields, estimate: &Fields) -> [Option<[f64; 2]>; LIGHTS] {
         std::array::from_fn(|light| {
-            let (mut squares, mut all, mut sum, mut total) = (0.0, 0.0, 0.0, 0.0);
-            for ((area, truth), estimate) in self.areas.iter().zip(truth).zip(estimate) {
-                let right = f64::from(truth[light]);
-                let difference = f64::from(estimate[light]) - right;
-                squares += area * difference * difference;
-                all += area * right * right;
-                sum += area * difference;
-                total += area * right;
-            }
-            (all > 0.0 && total > 0.0).then(|| [(squares / all).sqrt(), sum / total])
+            let values = self.areas.iter().zip(truth).zip(estimate);
+            relative_error(values.map(|((area, right), found)| (*area, right[light], found[light])))
         })
     }
+}
+
+/// Error of a field over (area, right value, value found): root mean square
+/// relative to the right field's, and that of the sum; `None` without any light.
+pub(crate) fn relative_error(values: impl Iterator<Item = (f64, f32, f32)>) -> Option<[f64; 2]> {
+    let (mut squares, mut all, mut sum, mut total) = (0.0, 0.0, 0.0, 0.0);
+    for (area, right, found) in values {
+        let right = f64::from(right);
+        let difference = f64::from(found) - right;
+        squares += area * difference * difference;
+        all += area * right * right;
+        sum += area * difference;
+        total += area * right;
+    }
+    (all > 0.0 && total > 0.0).then(|| [(squares / all).sqrt(), sum / total])
 }
 
 impl LightErrors {
@@ -340,10 +346,7 @@ pub(super) fn audit_at(
         slot_of_vertex: basis.slot_of_vertex(),
         rays: settings.rays,
     };
-    let near = match settings.scheme {
-        Scheme::Relume => low_rank::Budget::of(settings.coefficients).near,
-        Scheme::Paper => 0,
-    };
+    let near = settings.near_entries();
     let kept = smooth(basis, run.level, fields);
     let sampled: Vec<[Vec<[f32; LIGHTS]>; 2]> = receivers
         .groups

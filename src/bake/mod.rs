@@ -69,6 +69,7 @@ use rows::Rows;
 use sky::Sky;
 use test_lights::TestLights;
 
+pub(crate) use audit::relative_error;
 pub use audit::{ErrorParts, LightErrors};
 pub(crate) use basis::Basis;
 pub(crate) use cache::{Baked, CacheOutcome, load_or_bake, load_stored};

@@ -1,7 +1,7 @@
 //! Settings that change a bake's bits.
 
-use super::paper;
 use super::scheme::Scheme;
+use super::{low_rank, paper};
 use crate::scene::BakeKeys;
 
 /// Rays a vertex: leaves 2.8 % of sampling noise (decision 3 of the design).
@@ -79,6 +79,14 @@ impl BakeSettings {
         match self.scheme {
             Scheme::Relume => self.vertices_per_part,
             Scheme::Paper => paper::vertices_per_part(vertices),
+        }
+    }
+
+    /// Entries of a vertex's near field.
+    pub(super) fn near_entries(&self) -> usize {
+        match self.scheme {
+            Scheme::Relume => low_rank::Budget::of(self.coefficients).near,
+            Scheme::Paper => 0,
         }
     }
 

@@ -333,10 +333,7 @@ impl<'a> Study<'a> {
             slot_of_vertex: basis.slot_of_vertex(),
             rays: settings.rays,
         };
-        let near = match settings.scheme {
-            Scheme::Relume => low_rank::Budget::of(settings.coefficients).near,
-            Scheme::Paper => 0,
-        };
+        let near = settings.near_entries();
         let found: Vec<[Vec<[f32; LIGHTS]>; 2]> = receiver_groups(basis)
             .par_iter()
             .map_init(

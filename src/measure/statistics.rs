@@ -1,6 +1,6 @@
 //! Errors of fields over vertices, and statistics over lights.
 
-use crate::bake::{LIGHTS, LightErrors, VertexFields};
+use crate::bake::{LIGHTS, LightErrors, VertexFields, relative_error};
 use crate::maths::functions::{exp, ln};
 
 /// Error of each light, relative: root mean square over the area, and of the
@@ -12,16 +12,8 @@ pub(super) fn errors(areas: &[f64], truth: &VertexFields, estimate: &VertexField
     assert_eq!(truth.width, estimate.width, "fields of the same lights");
     (0..truth.width)
         .map(|light| {
-            let (mut squares, mut all, mut sum, mut total) = (0.0, 0.0, 0.0, 0.0);
-            for ((area, truth), estimate) in areas.iter().zip(truth.rows()).zip(estimate.rows()) {
-                let right = f64::from(truth[light]);
-                let difference = f64::from(estimate[light]) - right;
-                squares += area * difference * difference;
-                all += area * right * right;
-                sum += area * difference;
-                total += area * right;
-            }
-            (all > 0.0 && total > 0.0).then(|| [(squares / all).sqrt(), sum / total])
+            let values = areas.iter().zip(truth.rows()).zip(estimate.rows());
+            relative_error(values.map(|((area, right), found)| (*area, right[light], found[light])))
         })
         .collect()
 }

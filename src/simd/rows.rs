@@ -50,6 +50,20 @@ impl TableIndex for u32 {
     }
 }
 
+/// Adds weights x rgb to the sums.
+#[inline(always)]
+fn add<Q: Quantised>(sums: &mut GroupSums, weights: &[Q; LANES], rgb: [f32; 3]) {
+    let mut values = [0.0_f32; LANES];
+    for lane in 0..LANES {
+        values[lane] = weights[lane].value();
+    }
+    for channel in 0..3 {
+        for lane in 0..LANES {
+            sums[channel][lane] += values[lane] * rgb[channel];
+        }
+    }
+}
+
 #[inline(always)]
 fn dot_body<I: TableIndex, Q: Quantised>(
     indices: &[I],
@@ -58,16 +72,7 @@ fn dot_body<I: TableIndex, Q: Quantised>(
 ) -> GroupSums {
     let mut sums = [[0.0_f32; LANES]; 3];
     for (index, weights) in indices.iter().zip(weights) {
-        let rgb = table[index.position()];
-        let mut values = [0.0_f32; LANES];
-        for lane in 0..LANES {
-            values[lane] = weights[lane].value();
-        }
-        for channel in 0..3 {
-            for lane in 0..LANES {
-                sums[channel][lane] += values[lane] * rgb[channel];
-            }
-        }
+        add(&mut sums, weights, table[index.position()]);
     }
     sums
 }
@@ -76,15 +81,7 @@ fn dot_body<I: TableIndex, Q: Quantised>(
 fn dot_run_body<Q: Quantised>(weights: &[[Q; LANES]], table: &[[f32; 3]]) -> GroupSums {
     let mut sums = [[0.0_f32; LANES]; 3];
     for (rgb, weights) in table.iter().zip(weights) {
-        let mut values = [0.0_f32; LANES];
-        for lane in 0..LANES {
-            values[lane] = weights[lane].value();
-        }
-        for channel in 0..3 {
-            for lane in 0..LANES {
-                sums[channel][lane] += values[lane] * rgb[channel];
-            }
-        }
+        add(&mut sums, weights, *rgb);
     }
     sums
 }
