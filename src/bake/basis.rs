@@ -13,8 +13,12 @@ use super::eigen::{EigenError, lowest_eigenpairs};
 use super::graph::VertexGraph;
 use super::laplacian::Laplacian;
 use super::partition::Partition;
+use super::subspace::Block;
 use crate::simd::Level;
 use crate::simd::rows::project;
+
+/// Seed of what stands in for functions that masses make dependent.
+const MASS_SEED: u32 = 0x3a55;
 
 /// Why there is no basis.
 #[derive(Debug, Error, PartialEq)]
@@ -42,9 +46,10 @@ struct Part {
     first_value: usize,
 }
 
-/// Basis S (vertices x functions) of fields on the surface: orthonormal,
-/// S^T S = I, every function zero outside its part; the functions of part 0
-/// come first, those of a part in ascending order of eigenvalue.
+/// Basis S (vertices x functions) of fields on the surface: orthonormal under
+/// the masses M of the vertices, S^T M S = I, every function zero outside its
+/// part; the functions of part 0 come first, those of a part in ascending order
+/// of eigenvalue (and with masses each without what the ones before it have).
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(crate) struct Basis {
     parts: Vec<Part>,
@@ -54,6 +59,8 @@ pub(crate) struct Basis {
     /// Part by part: slots x functions, row-major.
     values: Vec<f32>,
     function_count: usize,
+    /// M: a mass a slot; empty where all are 1.
+    masses: Vec<f32>,
 }
 
 /// The lists that a basis is made of, as its file holds them.
@@ -62,6 +69,7 @@ pub(super) struct BasisLists<'a> {
     pub(super) slot_counts: Vec<u32>,
     pub(super) function_counts: Vec<u32>,
     pub(super) values: &'a [f32],
+    pub(super) masses: &'a [f32],
 }
 
 impl Basis {
@@ -118,6 +126,41 @@ impl Basis {
             Self::from_lists(members, &slot_counts, &function_counts, solved.concat())
                 .expect("a partition and its eigenvectors fit each other"),
         )
+    }
+
+    /// What the functions of each part span, made orthonormal under `masses`
+    /// (above 0, one a vertex): projection is then the fit with the least squared
+    /// error weighted by them.
+    pub(crate) fn under_masses(mut self, masses: &[f32]) -> Self {
+        let masses: Vec<f32> = self
+            .vertex_of_slot
+            .iter()
+            .map(|&vertex| masses[vertex as usize])
+            .collect();
+        let mut rest = self.values.as_mut_slice();
+        let mut jobs = Vec::with_capacity(self.parts.len());
+        for part in &self.parts {
+            let (own, others) = rest.split_at_mut(part.slot_count * part.function_count);
+            rest = others;
+            let slots = part.first_slot..part.first_slot + part.slot_count;
+            jobs.push((part.function_count, own, &masses[slots]));
+        }
+        jobs.into_par_iter()
+            .for_each(|(count, values, masses)| orthonormalise(count, values, masses));
+        self.masses = masses;
+        self
+    }
+
+    /// The same with masses that a file holds: one a slot, or none. Says what is
+    /// wrong with them.
+    pub(super) fn with_masses(mut self, masses: Vec<f32>) -> Result<Self, &'static str> {
+        let is_mass = |mass: &f32| mass.is_finite() && *mass > 0.0;
+        let fits = masses.is_empty() || masses.len() == self.slot_count();
+        if !fits || !masses.iter().all(is_mass) {
+            return Err("masses that do not fit the vertices");
+        }
+        self.masses = masses;
+        Ok(self)
     }
 
     /// A basis from the lists that it is made of: the vertices in the order of
@@ -185,6 +228,7 @@ impl Basis {
                 .map(|part| part.function_count as u32)
                 .collect(),
             values: &self.values,
+            masses: &self.masses,
         }
     }
 
@@ -238,7 +282,7 @@ impl Basis {
         &self.values[part.first_value..part.first_value + part.slot_count * part.function_count]
     }
 
-    /// b = S^T B for an RGB value a slot. Sums run over the slots of a part in
+    /// b = S^T M B for an RGB value a slot. Sums run over the slots of a part in
     /// order, in single precision: the same bits for any number of threads.
     pub(crate) fn project_rgb(&self, level: Level, values: &[[f32; 3]]) -> Vec<[f32; 3]> {
         assert_eq!(values.len(), self.slot_count(), "one value a slot");
@@ -252,18 +296,35 @@ impl Basis {
         }
         jobs.into_par_iter()
             .with_min_len(8)
-            .for_each_init(Vec::new, |scratch, (part, sums)| {
-                let own = &values[part.first_slot..part.first_slot + part.slot_count];
+            .for_each_init(Default::default, |(weighted, scratch), (part, sums)| {
                 project(
                     level,
                     self.part_values(part),
                     part.function_count,
-                    own,
+                    self.times_masses(part, values, weighted),
                     sums,
                     scratch,
                 );
             });
         coefficients
+    }
+
+    /// M B of a part; B itself where all masses are 1.
+    fn times_masses<'a>(
+        &self,
+        part: Part,
+        values: &'a [[f32; 3]],
+        weighted: &'a mut Vec<[f32; 3]>,
+    ) -> &'a [[f32; 3]] {
+        let slots = part.first_slot..part.first_slot + part.slot_count;
+        let own = &values[slots.clone()];
+        if self.masses.is_empty() {
+            return own;
+        }
+        let products = own.iter().zip(&self.masses[slots]);
+        weighted.clear();
+        weighted.extend(products.map(|(value, mass)| value.map(|v| v * mass)));
+        weighted
     }
 
     /// S b for an RGB coefficient a function: a value a slot. Sums run over the
@@ -291,12 +352,34 @@ impl Basis {
             .collect()
     }
 
-    /// d = S^T 1, the coefficients of constant light of 1.
+    /// d = S^T M 1, the coefficients of constant light of 1.
     pub(crate) fn constant(&self, level: Level) -> Vec<f32> {
         self.project_rgb(level, &vec![[1.0; 3]; self.slot_count()])
             .into_iter()
             .map(|c| c[0])
             .collect()
+    }
+}
+
+/// Makes functions (vertices x `count`) orthonormal under masses: with
+/// Q R = sqrt(M) S, R upper triangular, they become Q / sqrt(M) = S R^-1. The
+/// first keeps its shape.
+fn orthonormalise(count: usize, values: &mut [f32], masses: &[f32]) {
+    let mut block = Block::zero(masses.len(), count);
+    let rows = block.values.chunks_exact_mut(count);
+    for ((row, functions), &mass) in rows.zip(values.chunks_exact(count)).zip(masses) {
+        let root = f64::from(mass).sqrt();
+        for (entry, &value) in row.iter_mut().zip(functions) {
+            *entry = f64::from(value) * root;
+        }
+    }
+    block.orthonormalise(MASS_SEED);
+    let rows = block.values.chunks_exact(count);
+    for ((functions, row), &mass) in values.chunks_exact_mut(count).zip(rows).zip(masses) {
+        let root = f64::from(mass).sqrt();
+        for (value, entry) in functions.iter_mut().zip(row) {
+            *value = (entry / root) as f32;
+        }
     }
 }
 

@@ -127,7 +127,7 @@ impl<'a> Trial<'a> {
         settings: BakeSettings,
         run: &'a RunSettings<'a>,
     ) -> Result<Self, BakeError> {
-        let basis = spectral_basis(surface, &settings, run)?;
+        let basis = spectral_basis(places, &settings, run)?;
         let importance = Importance::of(places, run, &basis)?;
         let lights = TestLights::of(places, &basis, SEED);
         let count = basis.part_count();
@@ -164,7 +164,7 @@ impl<'a> Trial<'a> {
     /// do.
     fn change(&mut self, settings: BakeSettings) -> Result<(), BakeError> {
         if settings.functions != self.settings.functions {
-            self.basis = spectral_basis(self.surface, &settings, self.run)?;
+            self.basis = spectral_basis(self.places, &settings, self.run)?;
             self.importance = Importance::of(self.places, self.run, &self.basis)?;
         }
         self.settings = settings;
@@ -259,7 +259,7 @@ mod tests {
         let easy = baked(Some(0.2), None);
         assert!(easy.stats().shortfall().is_none());
         assert!(easy.stats().errors.total.mean <= 0.2);
-        let hard = baked(Some(0.1), None);
+        let hard = baked(Some(0.04), None);
         assert!(hard.stats().rays >= easy.stats().rays);
         assert!(hard.stats().errors.total.mean < easy.stats().errors.total.mean);
         let fixed = baked(Some(0.001), Some(64));

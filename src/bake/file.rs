@@ -19,7 +19,7 @@ use super::sky::Sky;
 use super::{Bake, BakeStats};
 
 const MAGIC: &[u8; 8] = b"relume\x1ab";
-const FORMAT_VERSION: u32 = 6;
+const FORMAT_VERSION: u32 = 7;
 /// Bytes before the payload: magic, version, key, length, checksum.
 const HEADER: usize = 8 + 4 + 32 + 8 + 32;
 
@@ -100,6 +100,7 @@ fn encode_payload(bake: &Bake) -> Vec<u8> {
     out.list(&basis.slot_counts);
     out.list(&basis.function_counts);
     out.list(basis.values);
+    out.list(basis.masses);
 
     match &bake.operator {
         Operator::LowRank(operator) => out.low_rank(operator),
@@ -203,7 +204,9 @@ fn decode_payload(payload: &[u8]) -> Result<Bake, FileError> {
         input.list::<u32>()?,
         input.list::<u32>()?,
     );
-    let basis = Basis::from_lists(members, &sizes, &counts, input.list::<f32>()?)
+    let (values, masses) = (input.list::<f32>()?, input.list::<f32>()?);
+    let basis = Basis::from_lists(members, &sizes, &counts, values)
+        .and_then(|basis| basis.with_masses(masses))
         .map_err(FileError::Inconsistent)?;
     let back_count = backs.iter().filter(|&&b| b).count();
     if backs.len() + back_count != basis.slot_count() || open_points.len() != basis.slot_count() {

@@ -299,6 +299,14 @@ const FILE_FRAME_BYTES: usize = 350;
 /// Bytes of a group that are in the file only: its receivers.
 const RECEIVER_BYTES: usize = 8;
 
+/// Bytes of the masses under which relume's own basis is orthonormal.
+fn mass_bytes(scheme: Scheme, vertices: usize) -> usize {
+    match scheme {
+        Scheme::Relume => 4 * vertices,
+        Scheme::Paper => 0,
+    }
+}
+
 /// The forecast for a surface with back sides, without the time to find these.
 fn with_sides(surface: &Surface, settings: &BakeSettings, run: &RunSettings) -> BakeForecast {
     let pieces = Pieces::of(surface, settings);
@@ -339,6 +347,7 @@ fn with_sides(surface: &Surface, settings: &BakeSettings, run: &RunSettings) -> 
     let bytes = FILE_FRAME_BYTES
         + surface.vertices.front_count()
         + vertices * (1 + 4)
+        + mass_bytes(settings.scheme, vertices)
         + pieces.parts.iter().sum::<usize>() * 8
         + pieces.value_count() * 4
         + row_bytes

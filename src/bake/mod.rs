@@ -151,7 +151,7 @@ impl Bake {
             Scheme::Relume => settings_for_error(surface, &places, settings, run)?,
             Scheme::Paper => *settings,
         };
-        let basis = spectral_basis(surface, settings, run)?;
+        let basis = spectral_basis(&places, settings, run)?;
         let (operator, sky, stats) = match settings.scheme {
             Scheme::Relume => {
                 let importance = Importance::of(&places, run, &basis)?;
@@ -288,12 +288,14 @@ fn joined(rows: &Rows, groups: &[GroupSums]) -> Vec<[f32; 3]> {
     values
 }
 
-/// Partitions the vertices and finds each partition's lowest eigenvectors.
+/// Partitions the vertices and finds each partition's lowest eigenvectors; those
+/// of relume's own scheme are made orthonormal under the masses of [`Places`].
 fn spectral_basis(
-    surface: &Surface,
+    places: &Places,
     settings: &BakeSettings,
     run: &RunSettings,
 ) -> Result<Basis, BakeError> {
+    let surface = places.surface();
     let graph = vertex_graph(surface);
     let part_size = settings.part_size(surface.vertices.len());
     let parts = match settings.scheme {
@@ -313,7 +315,7 @@ fn spectral_basis(
         Scheme::Paper => paper::equal_functions(&sizes, total),
     };
     run.progress.stage("spectral basis", sizes.len() as u64);
-    Basis::build(
+    let basis = Basis::build(
         &graph,
         &parts,
         &counts,
@@ -325,6 +327,10 @@ fn spectral_basis(
         BasisError::Part { part, source } => {
             BakeError::Basis(format!("partition {part}: {source}"))
         }
+    })?;
+    Ok(match settings.scheme {
+        Scheme::Relume => basis.under_masses(&places.masses()),
+        Scheme::Paper => basis,
     })
 }
 

@@ -31,6 +31,10 @@ const INSIDE_FREE_SPACE: f32 = 0.9;
 /// Share of all rays that must escape for suns to have places.
 const OPEN_SHARE: f64 = super::sky::OPEN_SHARE;
 
+/// Least mass of a vertex in the basis, of the mean: what 64 rays do not see
+/// may still be seen by others.
+const LEAST_MASS: f64 = 0.02;
+
 /// Tries to find a place with room around it.
 const MOST_ATTEMPTS: u32 = 64;
 /// First random number of the tries, and how many each takes.
@@ -183,6 +187,27 @@ impl<'a> Places<'a> {
         let sky = |sky: usize| self.skies.iter().map(|seen| seen[sky]).collect();
         let count = if self.skies.is_empty() { 0 } else { SKIES };
         (0..count).map(sky).collect()
+    }
+
+    /// What each vertex hands on of light of 1: its area times the share of its
+    /// rays that arrive, in the mean 1. By the reciprocity of form factors it is
+    /// what arrives at all others, sum_i A_i T_ij, so a basis that is orthonormal
+    /// under these masses keeps the energy of what bounces, and light where
+    /// nobody sees it does not reach its coefficients.
+    pub(super) fn masses(&self) -> Vec<f32> {
+        let areas = self.surface.vertices.areas();
+        let handed_on = |(&area, &arrived): (&f32, &f32)| f64::from(area) * f64::from(arrived);
+        let products: Vec<f64> = areas.iter().zip(&self.arrived).map(handed_on).collect();
+        let mean = products.iter().sum::<f64>() / products.len().max(1) as f64;
+        let share = |product: f64| {
+            let share = product / mean;
+            if share > LEAST_MASS { share as f32 } else { LEAST_MASS as f32 }
+        };
+        if mean > 0.0 {
+            products.into_iter().map(share).collect()
+        } else {
+            vec![1.0; products.len()]
+        }
     }
 
     pub(super) fn surface(&self) -> &'a Surface {

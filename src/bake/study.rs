@@ -153,7 +153,7 @@ impl<'a> Study<'a> {
         settings: &BakeSettings,
         run: &RunSettings,
     ) -> Result<Bake, BakeError> {
-        let basis = spectral_basis(self.surface, settings, run)?;
+        let basis = spectral_basis(&self.places, settings, run)?;
         let operator = match settings.scheme {
             Scheme::Relume => {
                 let mut excitation = Excitation::new(&basis);

@@ -4,6 +4,8 @@
 //! in -1..1 are the other two components over the largest, and a cell is a
 //! square of an eighth of the face's width.
 
+use std::sync::LazyLock;
+
 use glam::Vec3;
 
 /// Cells along an edge of the cube.
@@ -58,6 +60,14 @@ pub(crate) fn direction_in_cell(cell: usize, [u, v]: [f32; 2]) -> (Vec3, f32) {
 /// The cells that share an edge with a cell, across the cube's edges too,
 /// ascending.
 pub(crate) fn neighbours(cell: usize) -> [usize; 4] {
+    NEIGHBOURS[cell]
+}
+
+/// The neighbours of all cells: a bake asks millions of times.
+static NEIGHBOURS: LazyLock<[[usize; 4]; CELL_COUNT]> =
+    LazyLock::new(|| std::array::from_fn(found_neighbours));
+
+fn found_neighbours(cell: usize) -> [usize; 4] {
     // A step of a tenth of a cell over the middle of an edge.
     let beside = |cell: usize, u: f32, v: f32| cell_of(direction_in_cell(cell, [u, v]).0);
     let mut found =

@@ -46,19 +46,40 @@ const fn direction_numbers() -> [[u32; DIRECTION_BITS]; 4] {
     v
 }
 
-/// One coordinate of point `index` (below 65,536) before scrambling.
-fn sobol(index: u32, dimension: usize) -> u32 {
-    let mut bits = 0;
-    let mut rest = index;
-    let mut i = 0;
-    while rest != 0 {
-        if rest & 1 == 1 {
-            bits ^= DIRECTIONS[dimension][i];
+/// Coordinates of the points that have bits in one byte of their number only:
+/// `PARTIAL[byte][value]`. A point is the exclusive or of its two bytes' (with a
+/// loop over the bits, the points of a bake's rays took a fifth of its time).
+static PARTIAL: [[[u32; 4]; 256]; 2] = partial_points();
+
+const fn partial_points() -> [[[u32; 4]; 256]; 2] {
+    let mut partial = [[[0_u32; 4]; 256]; 2];
+    let mut byte = 0;
+    while byte < 2 {
+        let mut value = 0;
+        while value < 256 {
+            let mut dimension = 0;
+            while dimension < 4 {
+                let mut bit = 0;
+                while bit < 8 {
+                    if (value >> bit) & 1 == 1 {
+                        partial[byte][value][dimension] ^= DIRECTIONS[dimension][8 * byte + bit];
+                    }
+                    bit += 1;
+                }
+                dimension += 1;
+            }
+            value += 1;
         }
-        rest >>= 1;
-        i += 1;
+        byte += 1;
     }
-    bits
+    partial
+}
+
+/// Point `index` (below 65,536) before scrambling.
+fn sobol(index: u32) -> [u32; 4] {
+    let low = &PARTIAL[0][(index & 0xff) as usize];
+    let high = &PARTIAL[1][(index >> 8 & 0xff) as usize];
+    [0, 1, 2, 3].map(|d| low[d] ^ high[d])
 }
 
 /// Owen scrambling by a hash that lets a bit depend on higher bits only
@@ -91,18 +112,31 @@ impl ScrambledSobol {
     /// Point `index` (below 65,536), coordinates in [0, 1).
     pub(crate) fn point(&self, index: u32) -> [f32; 4] {
         debug_assert!(index < 1 << DIRECTION_BITS, "a Sobol set has 65,536 points");
-        [0, 1, 2, 3].map(|d| unit_f32(owen_scramble(sobol(index, d), self.seeds[d])))
+        let bits = sobol(index);
+        [0, 1, 2, 3].map(|d| unit_f32(owen_scramble(bits[d], self.seeds[d])))
     }
 
     /// The first two coordinates of point `index`.
     pub(crate) fn point2(&self, index: u32) -> [f32; 2] {
-        [0, 1].map(|d| unit_f32(owen_scramble(sobol(index, d), self.seeds[d])))
+        let bits = sobol(index);
+        [0, 1].map(|d| unit_f32(owen_scramble(bits[d], self.seeds[d])))
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_point_is_the_sum_of_its_bits_directions() {
+        for index in (0..65_536).step_by(97) {
+            let bits = (0..16).filter(|bit| index >> bit & 1 == 1);
+            let expected = bits.fold([0; 4], |sum: [u32; 4], bit: usize| {
+                [0, 1, 2, 3].map(|d| sum[d] ^ DIRECTIONS[d][bit])
+            });
+            assert_eq!(sobol(index), expected, "{index}");
+        }
+    }
 
     #[test]
     fn every_dimension_is_stratified() {

@@ -80,6 +80,63 @@ fn functions_are_orthonormal_after_rounding() {
     }
 }
 
+/// A basis of two parts under masses from 0.02 to 1.
+fn under_masses() -> (Basis, Vec<f32>) {
+    let basis = basis_of(&sample_graphs::triangle_grid(30, 20), 300, 8);
+    let mass = |i: u32| [0.02, 0.3, 1.0][i as usize % 3];
+    let masses: Vec<f32> = (0..basis.slot_count() as u32).map(mass).collect();
+    (basis.under_masses(&masses), masses)
+}
+
+#[test]
+fn masses_keep_orthonormal_functions_and_constant_light() {
+    let (basis, masses) = under_masses();
+    for value in reconstruct(&basis, &basis.constant(Level::Scalar)) {
+        assert!((value - 1.0).abs() <= CONSTANT_ERROR, "{value}");
+    }
+    for part in 0..basis.part_count() as u32 {
+        for (j, k) in [(0, 0), (3, 3), (0, 5), (2, 7)] {
+            let terms = basis.slot_range(part).map(|slot| {
+                let row = basis.row(slot as u32).1;
+                let mass = masses[basis.vertex_of_slot()[slot] as usize];
+                f64::from(row[j]) * f64::from(row[k]) * f64::from(mass)
+            });
+            let (product, unit) = (terms.sum::<f64>(), if j == k { 1.0 } else { 0.0 });
+            assert!((product - unit).abs() < 1e-5, "{j} {k}: {product}");
+        }
+    }
+}
+
+#[test]
+fn projection_under_masses_keeps_what_is_handed_on() {
+    let (basis, masses) = under_masses();
+    let bright = |i: u32| if i % 7 == 0 { 5.0 } else { 0.1 };
+    let slots = basis.vertex_of_slot().iter();
+    let light: Vec<[f32; 3]> = slots.map(|&v| [bright(v); 3]).collect();
+    let kept = basis.reconstruct_rgb(&basis.project_rgb(Level::Scalar, &light));
+    for part in 0..basis.part_count() as u32 {
+        let sum = |field: &[[f32; 3]]| -> f64 {
+            let terms = basis.slot_range(part).map(|slot| {
+                let mass = masses[basis.vertex_of_slot()[slot] as usize];
+                f64::from(field[slot][0]) * f64::from(mass)
+            });
+            terms.sum()
+        };
+        let ratio = sum(&kept) / sum(&light);
+        assert!((ratio - 1.0).abs() < 1e-5, "{ratio}");
+    }
+}
+
+#[test]
+fn masses_of_a_file_are_checked() {
+    let basis = || basis_of(&sample_graphs::path(6), 6, 2);
+    assert!(basis().with_masses(Vec::new()).is_ok());
+    assert!(basis().with_masses(vec![0.5; 6]).is_ok());
+    for wrong in [vec![1.0; 5], vec![0.0; 6], vec![f32::NAN; 6], vec![-1.0; 6]] {
+        assert!(basis().with_masses(wrong).is_err());
+    }
+}
+
 #[test]
 fn a_function_projects_onto_itself() {
     let basis = basis_of(&sample_graphs::triangle_grid(30, 20), 300, 8);
@@ -176,6 +233,10 @@ fn renamed(basis: &Basis) -> Basis {
         &of_parts(&lists.function_counts),
         values.copied().collect(),
     )
+    .and_then(|renamed| {
+        let slots = parts.iter().flat_map(|&p| basis.slot_range(p));
+        renamed.with_masses(slots.map(|slot| basis.masses[slot]).collect())
+    })
     .unwrap()
 }
 
@@ -187,7 +248,8 @@ fn renaming_partitions_changes_no_light() {
     let run = RunSettings::silent();
     let backs = surface.visible_backs(run.level);
     surface.add_backs(&backs);
-    let basis = spectral_basis(&surface, &settings, &run).unwrap();
+    let places = Places::of(&surface, run.level);
+    let basis = spectral_basis(&places, &settings, &run).unwrap();
     assert!(basis.part_count() > 4, "{} partitions", basis.part_count());
     // Bounced light of a field that is bright in one corner, by vertex.
     let corner = surface.vertices.positions()[0];
@@ -196,7 +258,6 @@ fn renaming_partitions_changes_no_light() {
         [1.0 / (0.05 + distance * distance); 3]
     };
     let bounced = |basis: &Basis| -> Vec<f32> {
-        let places = Places::of(&surface, run.level);
         let importance = Importance::of(&places, &run, basis).unwrap();
         let (rows, ..) = low_rank::sampled_rows(low_rank::Task {
             surface: &surface,

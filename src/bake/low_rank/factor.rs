@@ -15,10 +15,6 @@ const OVERSAMPLING: usize = 8;
 /// Times that Y Y^T is applied after the first product: the spectrum falls off
 /// by itself, and what is left is noise of the rays.
 const POWER_STEPS: u32 = 2;
-/// Energy of a component over that of the noise along it, at least. Errors in
-/// per cent and entries a vertex at 0, 1, 3 and 10: cornell 2.41, 2.43, 2.57, -
-/// (50, 42, 31); window 5.96, -, 6.45, 6.94 (46, -, 25, 21).
-const SIGNAL_OVER_NOISE: f64 = 1.0;
 /// Seed of the start block.
 const SEED: u32 = 0x10f4;
 
@@ -85,32 +81,30 @@ pub(super) struct Factors {
     pub(super) left: Matrix,
     /// Columns of Y x rank: the transpose of U^T Y.
     pub(super) right: Matrix,
-    /// Squared singular values less what noise alone has along each component;
-    /// they end where noise prevails.
+    /// What each component is worth: squared singular values, and once they are
+    /// smoothed what is left of them without noise.
     pub(super) energies: Vec<f64>,
 }
 
-/// The leading components of Y that are not noise, at most `rank`. `noise` is a
-/// matrix of the noise in Y alone.
-pub(super) fn factorise(level: Level, y: &Matrix, noise: &Matrix, rank: usize) -> Factors {
-    let mut factors = leading(level, y, rank);
+/// The leading `rank` components of Y, and what `noise`, a matrix of the noise in
+/// Y alone, makes of their U: D V / s for U = Y V / s.
+pub(super) fn factorise(level: Level, y: &Matrix, noise: &Matrix, rank: usize) -> (Factors, Matrix) {
+    let factors = leading(level, y, rank);
     if factors.energies.is_empty() {
-        return factors;
+        return (factors, Matrix::default());
     }
-    let left = factors.left.padded();
-    let noise = noise.transposed().times(level, &left);
-    let mut of_noise = vec![0.0_f64; factors.energies.len()];
-    for row in noise.values.chunks_exact(noise.columns) {
-        for (sum, &value) in of_noise.iter_mut().zip(row) {
-            *sum += f64::from(value) * f64::from(value);
+    let mut scaled = factors.right.clone();
+    for row in scaled.values.chunks_exact_mut(scaled.columns) {
+        for (value, &energy) in row.iter_mut().zip(&factors.energies) {
+            *value = if energy > 0.0 {
+                (f64::from(*value) / energy) as f32
+            } else {
+                0.0
+            };
         }
     }
-    let pairs = factors.energies.iter().zip(&of_noise);
-    let signal = pairs.map(|(&energy, &noise)| energy - noise);
-    let is_signal = |(signal, noise): &(f64, &f64)| *signal > **noise * SIGNAL_OVER_NOISE;
-    let kept = signal.zip(&of_noise).take_while(is_signal);
-    factors.energies = kept.map(|(signal, _)| signal).collect();
-    factors
+    let noise = noise.times(level, &scaled.padded());
+    (factors, noise)
 }
 
 /// The leading `rank` components of Y, fewer where it has not so many rows, with

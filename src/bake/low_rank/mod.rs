@@ -7,14 +7,16 @@
 //! C (vertices x functions) are factored, C ~ U V, with the components chosen by
 //! what prior lights make of them (the design's low rank of the remainder over
 //! receivers). A frame computes y once a partition, and then a short dense
-//! product a vertex. Components that are only noise of the rays are left out
-//! with the small ones: at 1,024 rays the product is nearer to the true transfer
-//! than the sampled rows that it was made of.
+//! product a vertex. U is averaged over neighbouring receivers where what changes
+//! between them is noise of the rays (`smooth`), and components that are only
+//! noise are left out with the small ones: the product is nearer to the true
+//! transfer than the sampled rows that it was made of.
 
 mod factor;
 mod part;
 mod quantise;
 mod sampled;
+mod smooth;
 
 pub(super) use part::Budget;
 pub(super) use sampled::{Task, pilot_rows, sampled_rows};

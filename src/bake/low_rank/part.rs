@@ -4,8 +4,10 @@
 use rayon::prelude::*;
 
 use super::factor::{Factors, Matrix, factorise};
+use super::smooth::{Neighbours, smooth};
 use crate::bake::basis::Basis;
 use crate::bake::compress::{EMPTY_REMAINDER, near_split, quantise_near};
+use crate::bake::graph::VertexGraph;
 use crate::bake::operator::{SkyRows, vertices_of};
 use crate::bake::rows::GroupRows;
 use crate::bake::stats::GroupStats;
@@ -53,6 +55,7 @@ impl Budget {
 pub(super) struct Job<'a> {
     pub(super) surface: &'a Surface,
     pub(super) basis: &'a Basis,
+    pub(super) graph: &'a VertexGraph,
     pub(super) sampling: Sampling<'a>,
     pub(super) importance: &'a Importance,
     pub(super) budget: Budget,
@@ -123,7 +126,11 @@ impl Job<'_> {
         let (y, functions) = self.whitened(&found, &roots_of_area, |group| &group.coefficients);
         let (noise, _) = self.whitened(&found, &roots_of_area, |group| &group.noise);
         let most = (self.budget.rank as f64 * MOST_RANK) as usize + MORE_RANK;
-        let factors = factorise(run.level, &y, &noise, most.min(y.rows));
+        let (mut factors, noise) = factorise(run.level, &y, &noise, most.min(y.rows));
+        if !factors.energies.is_empty() {
+            let neighbours = Neighbours::of_part(self.graph, self.basis, part);
+            smooth(&mut factors, &noise, &roots_of_area, &neighbours);
+        }
         let (factors, functions) = without_forgotten(factors, functions);
         let mut out = FoundPart {
             near: Vec::new(),

@@ -8,6 +8,7 @@ use super::LowRank;
 use super::part::{Budget, FoundPart, Job};
 use super::quantise::{components, spread};
 use crate::bake::basis::Basis;
+use crate::bake::neighbours::vertex_graph;
 use crate::bake::operator::{SkyRows, receiver_groups};
 use crate::bake::rows::{GroupRows, Rows};
 use crate::bake::sky::Sky;
@@ -80,9 +81,11 @@ fn of_parts(
     let groups = receiver_groups(basis);
     let mut parts_in_order: Vec<u32> = (0..basis.part_count() as u32).collect();
     parts_in_order.sort_by_key(|&part| first_vertex(basis, part));
+    let graph = vertex_graph(task.surface);
     let job = Job {
         surface: task.surface,
         basis,
+        graph: &graph,
         parts_in_order: &parts_in_order,
         sampling: task.sampling(),
         importance: task.importance,
