@@ -15,7 +15,7 @@ use serde_json::Value;
 const ASKING: [&str; 4] = ["_feature_detected!", "cpuid", "cpufeatures", "getauxval"];
 
 /// Packages that ask, and why they may.
-const MAY_ASK: [(&str, &str); 21] = [
+const MAY_ASK: [(&str, &str); 22] = [
     ("base64", "bytes into letters, in reports"),
     (
         "blake3",
@@ -46,6 +46,10 @@ const MAY_ASK: [(&str, &str); 21] = [
     ("rustix", "declares the system's functions"),
     ("simd-adler32", "a checksum"),
     ("zune-core", "only with its feature `std`, which is off"),
+    (
+        "zlib-rs",
+        "packs pixels for PNG: a file's bytes may differ, its pixels do not",
+    ),
 ];
 
 /// Features that bring other bits, and must be off whoever asks for them.
