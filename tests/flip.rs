@@ -90,7 +90,11 @@ fn compare(pair: &Pair, folder: &Path) -> Result<(), String> {
         .zip(&errors)
         .map(|(&ours, &theirs)| f64::from((ours - theirs).abs()))
         .collect();
-    let largest = differences.iter().copied().fold(0.0, f64::max);
+    let largest = differences
+        .iter()
+        .copied()
+        .max_by(f64::total_cmp)
+        .unwrap_or(0.0);
     let mean_of_differences = differences.iter().sum::<f64>() / differences.len() as f64;
     let number = |key: &str| result[key].as_f64().unwrap_or(f64::NAN);
     let (ours, theirs) = (map.mean(), number("mean"));

@@ -20,10 +20,10 @@ fn ball(width: u32, height: u32, shift: f64, tint: [f64; 3]) -> PngImage {
         let down = (f64::from(y) - 0.5 * f64::from(height)) / radius;
         let inside = 1.0 - across * across - down * down;
         let light = match inside > 0.0 {
-            true => 0.15 + 0.8 * (0.6 * inside.sqrt() - 0.5 * across - 0.5 * down).max(0.0),
+            true => 0.15 + 0.8 * (0.6 * inside.sqrt() - 0.5 * across - 0.5 * down).clamp(0.0, 1.0),
             false => 0.25 + 0.3 * f64::from(y) / f64::from(height),
         };
-        (255.0 * (light * tint).min(1.0)) as u8
+        (255.0 * (light * tint).clamp(0.0, 1.0)) as u8
     };
     let mut levels = Vec::new();
     for y in 0..height {

@@ -4,6 +4,7 @@
 use super::basis::Basis;
 use super::rows::{FINE_BAND, GroupRows};
 use super::transfer::{GROUP, GroupTransfer};
+use crate::maths::order::Order;
 
 /// Share of a row's budget that goes to the near field: an eighth to a fifth
 /// is best, a half is worse than none (decision 4 of the design).
@@ -129,7 +130,7 @@ impl Compressor<'_> {
         let near_sums = quantise_near(&split.near, &mut rows);
         let mut target = transfer.arrived;
         for lane in 0..GROUP {
-            target[lane] = (target[lane] - near_sums[lane]).max(0.0);
+            target[lane] = (target[lane] - near_sums[lane]).at_least(0.0);
             if target[lane] < EMPTY_REMAINDER {
                 target[lane] = 0.0;
             }

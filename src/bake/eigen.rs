@@ -18,6 +18,7 @@ use super::inertia::eigenvalues_below;
 use super::laplacian::{Laplacian, Recurrence};
 use super::subspace::Block;
 use crate::maths::functions::ln;
+use crate::maths::order::Order;
 
 /// Largest |L v - lambda v| of an eigenpair, |v| = 1.
 pub(super) const RESIDUAL_LIMIT: f64 = 1e-8;
@@ -174,7 +175,7 @@ impl Found {
         let residuals = self.vectors.first(kept).residuals(laplacian, &self.values);
         residuals
             .iter()
-            .fold(0.0, |max, &residual| max.max(residual))
+            .fold(0.0, |max, &residual| max.at_least(residual))
     }
 
     /// Whether the first `kept` pairs are accurate and none is missing.
@@ -245,7 +246,7 @@ fn filtered_pairs(
         let residuals = vectors.residuals(laplacian, &values);
         let worst = residuals[..converged]
             .iter()
-            .fold(0.0_f64, |max, &r| max.max(r));
+            .fold(0.0_f64, |max, &r| max.at_least(r));
         if worst <= filter.target {
             values.truncate(converged);
             return Some(Found { values, vectors });
@@ -273,10 +274,10 @@ impl Filter {
         // 22 columns / size is the one at `columns` of a triangulated plane.
         let guess = 22.0 * columns as f64 / laplacian.size() as f64;
         Self {
-            from: guess.min(0.5 * upper_bound),
+            from: guess.at_most(0.5 * upper_bound),
             upper_bound,
             degree: FIRST_DEGREE,
-            target: RESIDUAL_TARGET.max(RESIDUAL_FLOOR * upper_bound),
+            target: RESIDUAL_TARGET.at_least(RESIDUAL_FLOOR * upper_bound),
         }
     }
 
@@ -288,9 +289,9 @@ impl Filter {
         let next = Self { from, ..*self };
         let missing = ln(2.0 * residual / self.target);
         let (wanted_rate, lowest_rate) = (next.rate(wanted), next.rate(0.0));
-        let enough = missing / wanted_rate.max(1e-6);
-        let safe = AMPLIFICATION_LIMIT / (lowest_rate - wanted_rate).max(1e-6);
-        let degree = enough.min(safe).clamp(DEGREES.0, DEGREES.1);
+        let enough = missing / wanted_rate.at_least(1e-6);
+        let safe = AMPLIFICATION_LIMIT / (lowest_rate - wanted_rate).at_least(1e-6);
+        let degree = enough.at_most(safe).clamp(DEGREES.0, DEGREES.1);
         Self {
             degree: degree as u32,
             ..next
@@ -302,7 +303,7 @@ impl Filter {
     fn rate(&self, eigenvalue: f64) -> f64 {
         let place = ((self.upper_bound + self.from - 2.0 * eigenvalue)
             / (self.upper_bound - self.from))
-            .max(1.0);
+            .at_least(1.0);
         ln(place + (place * place - 1.0).sqrt())
     }
 

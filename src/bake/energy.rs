@@ -4,6 +4,7 @@
 use super::places::Places;
 use super::{Bake, prior};
 use crate::maths::hash::uniform;
+use crate::maths::order::Order;
 use crate::simd::Level;
 use crate::surface::{Surface, direct};
 
@@ -38,7 +39,7 @@ pub(super) fn largest_eigenvalue(bake: &Bake, level: Level) -> f64 {
     growth_of_logarithm
         .map(|sum| crate::maths::functions::exp(sum / f64::from(MEASURED_STEPS)))
         .into_iter()
-        .fold(0.0, f64::max)
+        .fold(0.0, f64::at_least)
 }
 
 /// Scales every channel to a root mean square of 1 and returns what it was; a

@@ -14,6 +14,7 @@ use super::sky;
 use super::transfer::GROUP;
 use super::{Bake, BakeError, BakeSettings, RunSettings, low_rank};
 use crate::maths::cube_cells::CELL_COUNT;
+use crate::maths::order::Order;
 use crate::surface::Surface;
 
 /// Rays that find the back sides, in all; more only in meshes of more than
@@ -226,7 +227,7 @@ struct Entries {
 impl Entries {
     /// A group whose rays met so many senders, of which those with functions.
     fn of_group(budget: Budget, senders: f64, functions: f64) -> Self {
-        let near = senders.min(budget.near as f64);
+        let near = senders.at_most(budget.near as f64);
         let is_spending = senders > near;
         let most = if is_spending {
             budget.basis as f64
@@ -235,7 +236,7 @@ impl Entries {
         };
         Self {
             near,
-            basis: most.min(functions),
+            basis: most.at_most(functions),
         }
     }
 
@@ -424,7 +425,7 @@ fn evened_budget(budget: Budget, wanted: Vec<f64>) -> Budget {
     let (mut low, mut high) = (budget.basis, budget.basis * wanted.len().max(1));
     while low < high {
         let middle = low + (high - low).div_ceil(2);
-        let spent: f64 = wanted.iter().map(|w| w.min(middle as f64)).sum();
+        let spent: f64 = wanted.iter().map(|w| w.at_most(middle as f64)).sum();
         if spent <= total {
             low = middle;
         } else {
@@ -444,7 +445,7 @@ fn sky_entries(views: &[GroupView]) -> Entries {
         let cells = if sees_only_sky {
             0.0
         } else {
-            view.most_cells.min(CELL_COUNT as f64)
+            view.most_cells.at_most(CELL_COUNT as f64)
         };
         Entries::of_group(budget, cells, f64::from(sky::FUNCTIONS))
     };

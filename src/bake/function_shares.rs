@@ -1,4 +1,5 @@
 //! How many basis functions each partition gets.
+use crate::maths::order::Order;
 
 /// Area of a part over that of the largest, at least: parts without area get
 /// functions only when the others are full.
@@ -12,11 +13,11 @@ const SMALLEST_SHARE: f64 = 1e-12;
 /// decide.
 pub(super) fn functions_by_area(areas: &[f64], sizes: &[usize], total: u32) -> Vec<u32> {
     assert_eq!(areas.len(), sizes.len(), "one area and one size a part");
-    let largest = areas.iter().fold(0.0_f64, |max, &area| max.max(area));
+    let largest = areas.iter().fold(0.0_f64, |max, &area| max.at_least(area));
     let shares: Vec<f64> = if largest > 0.0 {
         areas
             .iter()
-            .map(|&area| area.max(SMALLEST_SHARE * largest))
+            .map(|&area| area.at_least(SMALLEST_SHARE * largest))
             .collect()
     } else {
         sizes.iter().map(|&size| size as f64).collect()
@@ -51,7 +52,7 @@ fn bounded_quotas(shares: &[f64], sizes: &[usize], total: f64) -> Vec<f64> {
     };
     // The sum grows with the scale up to where all parts are full.
     let fullest = (0..shares.len()).map(|part| sizes[part] as f64 / shares[part]);
-    let (mut low, mut high) = (0.0, fullest.fold(0.0, f64::max));
+    let (mut low, mut high) = (0.0, fullest.fold(0.0, f64::at_least));
     if sum(high) <= total {
         low = high;
     }

@@ -136,7 +136,8 @@ pub(crate) fn escaped_share_of_fronts(surface: &Surface, level: Level) -> f64 {
         let row = row_rays(surface, level, vertex, rays);
         row.filter(|(_, (_, hit))| hit.is_none()).count()
     };
-    let escaped: usize = (0..count).into_par_iter().map(escapes).sum();
+    let escaped: Vec<usize> = (0..count).into_par_iter().map(escapes).collect();
+    let escaped: usize = escaped.into_iter().sum();
     escaped as f64 / (count * rays as usize).max(1) as f64
 }
 
@@ -175,5 +176,10 @@ pub(super) fn seconds_a_row(surface: &Surface, rays: u32, run: &RunSettings) -> 
     let mean = times.iter().sum::<Duration>().as_secs_f64() / times.len().max(1) as f64;
     let whole_rows = f64::from(rays) / f64::from(sampling.rays.max(1));
     // More threads than processors make each row take longer.
-    mean * whole_rows / rayon::current_num_threads() as f64
+    #[allow(
+        clippy::disallowed_methods,
+        reason = "a forecast of seconds; no bit of a bake depends on it"
+    )]
+    let threads = rayon::current_num_threads();
+    mean * whole_rows / threads as f64
 }

@@ -13,6 +13,7 @@ use rayon::prelude::*;
 use super::transfer::vertex_rays;
 use crate::maths::functions::{exp, ln};
 use crate::maths::hash::uniform;
+use crate::maths::order::Order;
 use crate::maths::sampling::{cosine_direction, pick, sphere_direction};
 use crate::simd::Level;
 use crate::surface::{NONE, Ray, Surface, SurfacePoint, offset_origin};
@@ -264,7 +265,7 @@ impl<'a> Places<'a> {
             let from = self.surface.sample_point(vertex, [u(1), u(2)]);
             let towards = cosine_direction(from.flat_normal, [u(3), u(4)]);
             let origin = offset_origin(from.position, from.flat_normal, towards);
-            let chord = self.reach(origin, towards).min(extent);
+            let chord = self.reach(origin, towards).at_most(extent);
             let place = origin + towards * (u(5) * chord);
             if around().all(|direction| self.reach(place, direction) > clearance) {
                 return place;

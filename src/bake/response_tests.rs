@@ -5,6 +5,7 @@ use super::operator::{receiver_groups, vertices_of};
 use super::rows::Columns;
 use super::transfer::{GROUP, Sampling, sample_group};
 use super::*;
+use crate::maths::order::Order;
 use crate::scene::Scene;
 use crate::scene::sample_scenes::{hollow_sphere, room_with_blocks, separate_boxes};
 use crate::surface::Detail;
@@ -96,7 +97,7 @@ pub(super) fn stored_response(rows: &Rows, group: usize, constant: &[f32]) -> [f
 fn largest(values: impl Iterator<Item = f64>) -> f64 {
     values.fold(0.0, |largest, value| {
         assert!(!value.is_nan(), "a value is not a number");
-        f64::max(largest, value.abs())
+        f64::at_least(largest, value.abs())
     })
 }
 

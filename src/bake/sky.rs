@@ -16,6 +16,7 @@ use super::rows::Rows;
 use super::transfer::{GROUP, GroupTransfer};
 use crate::maths::cube_cells::{CELL_COUNT, direction_in_cell, neighbours};
 use crate::maths::hash::uniform;
+use crate::maths::order::Order;
 use crate::maths::sampling::sphere_direction;
 use crate::simd::Level;
 
@@ -84,7 +85,7 @@ pub(super) fn sigma(basis: &Basis, level: Level) -> Vec<f32> {
         let axis = sphere_direction([uniform(SEED, lobe, 0), uniform(SEED, lobe, 1)]);
         for power in LOBE_POWERS {
             let brightness = |cell| {
-                let cosine = middle(cell).dot(axis).max(0.0);
+                let cosine = middle(cell).dot(axis).at_least(0.0);
                 (0..power).fold(1.0_f32, |product, _| product * cosine)
             };
             excitation.add(basis, level, &of_rms_1((0..CELL_COUNT).map(brightness)));

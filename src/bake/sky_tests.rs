@@ -8,6 +8,7 @@ use super::response_tests::{baked, stored_response};
 use super::transfer::{Sampling, sample_group};
 use super::*;
 use crate::maths::cube_cells::CELL_COUNT;
+use crate::maths::order::Order;
 use crate::maths::sobol::ScrambledSobol;
 use crate::scene::sample_scenes::{cube_room, room_with_blocks, room_with_window, separate_boxes};
 use glam::Vec3;
@@ -116,8 +117,8 @@ fn a_constant_sky_is_answered_as_it_was_sampled() {
                 } else {
                     shares.sum()
                 };
-                worst = worst.max((stored[lane] - share).abs());
-                largest_share = largest_share.max(share);
+                worst = worst.at_least((stored[lane] - share).abs());
+                largest_share = largest_share.at_least(share);
             }
         }
         assert!(largest_share > 0.01, "{name}: no vertex sees the sky");
@@ -140,7 +141,7 @@ fn brute_share(surface: &Surface, half_window: f64, vertex: usize) -> f64 {
         let to_window = Vec3::new(scale, y, z) - from.position;
         let squared = to_window.length_squared();
         let direction = to_window / squared.sqrt();
-        let cosines = direction.dot(from.normal).max(0.0) * direction.x.max(0.0);
+        let cosines = direction.dot(from.normal).at_least(0.0) * direction.x.at_least(0.0);
         if cosines > 0.0 && surface.arrival(Level::detect(), &from, direction).is_none() {
             sum += f64::from(cosines * area / (std::f32::consts::PI * squared));
         }

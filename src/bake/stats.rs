@@ -4,6 +4,7 @@ use super::BakeSettings;
 use super::audit::ErrorParts;
 use super::scheme::{Partitioner, Scheme};
 use super::transfer::GroupTransfer;
+use crate::maths::order::Order;
 
 /// Figures of one group of receivers.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -35,7 +36,12 @@ impl GroupStats {
 /// Share of all rays that escape past something, 0 to 1.
 pub(super) fn escaped_past_something(groups: &[GroupStats]) -> f64 {
     let escaped: f64 = groups.iter().map(|g| g.escaped_past).sum();
-    escaped / groups.iter().map(|g| g.receivers).sum::<f64>().max(1.0)
+    escaped
+        / groups
+            .iter()
+            .map(|g| g.receivers)
+            .sum::<f64>()
+            .at_least(1.0)
 }
 
 /// Figures of a bake, kept in its file.
@@ -74,7 +80,7 @@ pub struct BakeStats {
 impl BakeStats {
     pub(super) fn of(groups: &[GroupStats], settings: &BakeSettings, threshold: f32) -> Self {
         let sum = |field: fn(&GroupStats) -> f64| groups.iter().map(field).sum::<f64>();
-        let receivers = sum(|g| g.receivers).max(1.0);
+        let receivers = sum(|g| g.receivers).at_least(1.0);
         Self {
             scheme: settings.scheme,
             partitioner: settings.scheme.partitioner(),

@@ -4,6 +4,7 @@
 use super::dense::symmetric_eigen;
 use super::laplacian::Laplacian;
 use crate::maths::hash::uniform;
+use crate::maths::order::Order;
 
 /// Passes of orthonormalisation at most. Two are usual, three after a filter
 /// that left columns nearly dependent.
@@ -181,7 +182,7 @@ impl Block {
         let mut largest = vec![0.0_f64; self.columns];
         for row in self.rows() {
             for (largest, value) in largest.iter_mut().zip(row) {
-                *largest = largest.max(value.abs());
+                *largest = largest.at_least(value.abs());
             }
         }
         let mut signs = vec![0.0; self.columns];
@@ -223,7 +224,7 @@ impl Factor {
             let above = &products[j * columns + j + 1..(j + 1) * columns];
             deviation = above
                 .iter()
-                .fold(deviation, |max, product| max.max(product.abs()));
+                .fold(deviation, |max, product| max.at_least(product.abs()));
             let pivot = entries[j * columns + j];
             if pivot > DEPENDENT {
                 scale_pivot_row(

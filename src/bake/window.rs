@@ -14,6 +14,7 @@
 use super::transfer::Sampling;
 use crate::maths::cube_cells::{CELL_COUNT, direction_in_cell, neighbours};
 use crate::maths::hash::hash3;
+use crate::maths::order::Order;
 use crate::maths::sampling::mirrored_cosine_density;
 use crate::maths::sobol::ScrambledSobol;
 
@@ -80,7 +81,7 @@ pub(super) fn aimed_shares(
         None => first,
         Some(wanted) => {
             let most = f64::from(sampling.rays) * f64::from(MOST_BATCHES - 2);
-            let counts = first.allotted(wanted.min(most).max(f64::from(sampling.rays)));
+            let counts = first.allotted(wanted.at_most(most).at_least(f64::from(sampling.rays)));
             Batch::trace(sampling, vertex, cells, SEEDS[1], |k| counts[k])
         }
     };
@@ -135,7 +136,7 @@ impl Found {
     fn deviation(&self) -> f64 {
         let mean = self.mean();
         (self.squares / f64::from(self.count.max(1)) - mean * mean)
-            .max(0.0)
+            .at_least(0.0)
             .sqrt()
     }
 }

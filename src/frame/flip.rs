@@ -25,6 +25,7 @@ mod filters;
 
 use super::metrics::check_sizes;
 use super::{Image, SizeMismatch};
+use crate::maths::order::Order;
 use bands::{Display, error_map};
 use exposures::Exposures;
 use filters::Filters;
@@ -98,7 +99,7 @@ impl FlipMap {
 
     /// Largest error.
     pub fn max(&self) -> f64 {
-        f64::from(self.values.iter().copied().fold(0.0, f32::max))
+        f64::from(self.values.iter().copied().fold(0.0, f32::at_least))
     }
 }
 
@@ -156,7 +157,7 @@ pub fn hdr_flip(
 fn filters_for(pixels_per_degree: f64) -> Filters {
     let [least, most] = PIXELS_PER_DEGREE_RANGE;
     // `max` takes the other operand where one is not a number; `clamp` does not.
-    Filters::new(pixels_per_degree.max(least).min(most))
+    Filters::new(pixels_per_degree.at_least(least).at_most(most))
 }
 
 fn map_of(image: &Image, values: Vec<f32>) -> FlipMap {

@@ -201,6 +201,7 @@ pub(super) fn decode_levels_of(pixel: Vec3) -> Vec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::maths::order::Order;
 
     #[test]
     fn all_levels_survive_decoding_and_encoding() {
@@ -214,7 +215,7 @@ mod tests {
     fn levels_are_those_of_the_transfer_function() {
         let mut x = 1e-6_f32;
         while x < 1.2 {
-            let linear = f64::from(x).min(1.0);
+            let linear = f64::from(x).at_most(1.0);
             let encoded = if linear <= 0.003_130_8 {
                 12.92 * linear
             } else {

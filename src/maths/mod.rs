@@ -5,5 +5,6 @@
 pub(crate) mod cube_cells;
 pub(crate) mod functions;
 pub(crate) mod hash;
+pub(crate) mod order;
 pub(crate) mod sampling;
 pub(crate) mod sobol;

@@ -3,6 +3,7 @@
 use glam::Vec3;
 
 use super::functions::{cos_f32, sin_f32};
+use crate::maths::order::Order;
 
 /// Two unit vectors that form a right-handed frame with the unit normal
 /// (Duff et al., "Building an Orthonormal Basis, Revisited", JCGT 2017).
@@ -25,7 +26,7 @@ pub(crate) fn tangents(normal: Vec3) -> (Vec3, Vec3) {
 pub(crate) fn cosine_direction(normal: Vec3, u: [f32; 2]) -> Vec3 {
     let radius = u[0].sqrt();
     let angle = std::f32::consts::TAU * u[1];
-    let height = (1.0 - u[0]).max(0.0).sqrt();
+    let height = (1.0 - u[0]).at_least(0.0).sqrt();
     let (t, b) = tangents(normal);
     t * (radius * cos_f32(angle)) + b * (radius * sin_f32(angle)) + normal * height
 }
@@ -34,7 +35,7 @@ pub(crate) fn cosine_direction(normal: Vec3, u: [f32; 2]) -> Vec3 {
 /// has a cosine of at least `cos_radius`, from two uniforms.
 pub(crate) fn cone_direction(axis: Vec3, cos_radius: f32, u: [f32; 2]) -> Vec3 {
     let height = 1.0 - u[0] * (1.0 - cos_radius);
-    let radius = (1.0 - height * height).max(0.0).sqrt();
+    let radius = (1.0 - height * height).at_least(0.0).sqrt();
     let angle = std::f32::consts::TAU * u[1];
     let (t, b) = tangents(axis);
     t * (radius * cos_f32(angle)) + b * (radius * sin_f32(angle)) + axis * height
@@ -43,7 +44,7 @@ pub(crate) fn cone_direction(axis: Vec3, cos_radius: f32, u: [f32; 2]) -> Vec3 {
 /// Direction uniform over the sphere, from two uniforms.
 pub(crate) fn sphere_direction(u: [f32; 2]) -> Vec3 {
     let z = 1.0 - 2.0 * u[0];
-    let radius = (1.0 - z * z).max(0.0).sqrt();
+    let radius = (1.0 - z * z).at_least(0.0).sqrt();
     let angle = std::f32::consts::TAU * u[1];
     Vec3::new(radius * cos_f32(angle), radius * sin_f32(angle), z)
 }

@@ -207,6 +207,10 @@ pub fn time_frames(
     Ok(FrameTimes {
         light: renderer.scene().lights[circle.light].name.clone(),
         frames: all.len() as u32,
+        #[allow(
+            clippy::disallowed_methods,
+            reason = "said in the report, used nowhere"
+        )]
         threads: rayon::current_num_threads(),
         level: run.level.available(),
         stages: stages.chain([other]).collect(),

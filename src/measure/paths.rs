@@ -6,6 +6,7 @@ use glam::Vec3;
 use super::statistics::root_of_difference;
 use crate::bake::{Bake, BakeError, RunSettings, StudyLight, TestKind};
 use crate::maths::hash::uniform;
+use crate::maths::order::Order;
 use crate::reference::{AtVertex, AtVertices, indirect_irradiance};
 use crate::relight::Transport;
 use crate::scene::{Bounces, PlacedLight, Scene};
@@ -141,8 +142,8 @@ fn compared(
         // Channels of one path go together.
         variance_of_sum += 3.0 * area * area * own;
     }
-    let all = f64::max(all, f64::MIN_POSITIVE);
-    let total = f64::max(total, f64::MIN_POSITIVE);
+    let all = f64::at_least(all, f64::MIN_POSITIVE);
+    let total = f64::at_least(total, f64::MIN_POSITIVE);
     let [found, noise] = [squares / all, variance / all].map(f64::sqrt);
     LightAgainstPaths {
         kind,

@@ -109,6 +109,10 @@ pub(super) fn measure(
     Ok(Measured {
         settings: settings.clone(),
         figures: renderer.figures(),
+        #[allow(
+            clippy::disallowed_methods,
+            reason = "said in the report, used nowhere"
+        )]
         threads: rayon::current_num_threads(),
         bake_seconds,
         vertices,

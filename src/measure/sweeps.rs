@@ -7,6 +7,7 @@ use glam::Vec3;
 
 use super::vertices::{BOUNCES, Truth};
 use crate::bake::{Bake, BakeError, BakeSettings, LightErrors, RunSettings, Scheme, Study};
+use crate::maths::order::Order;
 use crate::relight::Transport;
 use crate::scene::Bounces;
 
@@ -170,7 +171,7 @@ impl Sweeper<'_> {
             std::hint::black_box(solved.is_ok());
             start.elapsed().as_secs_f64() * 1e3
         });
-        times.fold(f64::INFINITY, f64::min)
+        times.fold(f64::INFINITY, f64::at_most)
     }
 }
 

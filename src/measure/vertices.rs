@@ -11,6 +11,7 @@ use crate::bake::{
     Bake, BakeError, BakeSettings, LIGHTS, LightErrors, RunSettings, Study, StudyLight,
     VertexFields,
 };
+use crate::maths::order::Order;
 use crate::surface::Surface;
 
 /// Seeds of this report alone: of its lights, of the rows in between and of the
@@ -250,7 +251,7 @@ fn by_many_points(
             };
             let [many, few] = study.by_many_points_and_few(placed, MANY_POINTS, run.level);
             let sum = |values: &[f32]| values.iter().map(|&v| f64::from(v)).sum::<f64>();
-            let scale = sum(&scaled) / sum(&few).max(f64::MIN_POSITIVE);
+            let scale = sum(&scaled) / sum(&few).at_least(f64::MIN_POSITIVE);
             Ok(many
                 .iter()
                 .map(|&e| (f64::from(e) * scale) as f32)

@@ -8,6 +8,7 @@ use glam::Vec3;
 
 use super::colour_at;
 use crate::maths::hash::uniform;
+use crate::maths::order::Order;
 use crate::maths::sampling::{mirrored_cosine_density, pick};
 use crate::scene::{
     LightSample, PlacedEnvironment, PlacedLight, PlacedLights, PlacedRectangle, PlacedSun, Scene,
@@ -255,10 +256,10 @@ fn of_rectangle(rectangle: &PlacedRectangle, point: &SurfacePoint, u: [f32; 2]) 
 /// in placed units.
 fn toward(point: &SurfacePoint, there: Vec3, normal: Vec3, intensity: Vec3) -> LightSample {
     let to_light = there - point.position;
-    let squared = to_light.length_squared().max(f32::MIN_POSITIVE);
+    let squared = to_light.length_squared().at_least(f32::MIN_POSITIVE);
     let distance = squared.sqrt();
     let direction = to_light / distance;
-    let cosine = (-direction).dot(normal).max(0.0);
+    let cosine = (-direction).dot(normal).at_least(0.0);
     LightSample {
         direction,
         distance,

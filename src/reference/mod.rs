@@ -15,6 +15,7 @@ use rayon::prelude::*;
 use crate::bake::RunSettings;
 use crate::frame::Image;
 use crate::maths::hash::{hash3, uniform};
+use crate::maths::order::Order;
 use crate::maths::sampling::{cosine_direction, mirrored_above};
 use crate::maths::sobol::ScrambledSobol;
 use crate::scene::{Bounces, Camera, PlacedCamera, Scene, max_component};
@@ -88,9 +89,9 @@ pub fn trace(scene: &Scene, settings: &ReferenceSettings, run: &RunSettings) -> 
 fn joined(width: u32, height: u32, halves: &[[Vec3; 2]]) -> Reference {
     let mean: Vec<Vec3> = halves.iter().map(|[a, b]| (*a + *b) * 0.5).collect();
     let sum = |value: &dyn Fn(usize) -> f64| (0..halves.len()).map(value).sum::<f64>();
-    let squares = sum(&|i| f64::from(mean[i].length_squared())).max(f64::MIN_POSITIVE);
+    let squares = sum(&|i| f64::from(mean[i].length_squared())).at_least(f64::MIN_POSITIVE);
     let errors = sum(&|i| f64::from(((halves[i][0] - halves[i][1]) * 0.5).length_squared()));
-    let total = sum(&|i| f64::from(mean[i].element_sum())).max(f64::MIN_POSITIVE);
+    let total = sum(&|i| f64::from(mean[i].element_sum())).at_least(f64::MIN_POSITIVE);
     let difference = sum(&|i| f64::from((halves[i][0] - halves[i][1]).element_sum()) * 0.5);
     Reference {
         image: Image::new(width, height, mean).expect("a pixel each was traced"),
@@ -215,7 +216,7 @@ impl Tracer<'_> {
         if self.settings.bounces != Bounces::All || bounce < ROULETTE_AFTER {
             return true;
         }
-        let chance = max_component(*throughput).min(1.0);
+        let chance = max_component(*throughput).at_most(1.0);
         if uniform(path, bounce, 2) >= chance {
             return false;
         }

@@ -7,6 +7,7 @@ use super::component::{BasisFunction, Component};
 use super::palette::{distinct_colours, linear};
 use crate::bake::Basis;
 use crate::maths::functions::linear_from_srgb;
+use crate::maths::order::Order;
 use crate::surface::NONE;
 
 /// sRGB levels of what lies outside of a function's partition and faces the
@@ -105,7 +106,7 @@ impl BasisView {
             })
             .collect();
         let magnitudes = values.iter().flatten().map(|value| value.abs());
-        let largest = magnitudes.fold(f32::MIN_POSITIVE, f32::max);
+        let largest = magnitudes.fold(f32::MIN_POSITIVE, f32::at_least);
         let normalised = |value: &Option<f32>| value.map(|value| value / largest);
         Ok(Self::Function(values.iter().map(normalised).collect()))
     }
@@ -151,7 +152,7 @@ fn inside_mean(values: &[Option<f32>], corners: [u32; 3], barycentrics: [f32; 3]
 
 /// Red for 1, white for 0, blue for -1, in equal steps of sRGB levels.
 fn signed_colour(value: f32) -> Vec3 {
-    let rest = linear_from_srgb(f64::from(1.0 - value.abs().min(1.0))) as f32;
+    let rest = linear_from_srgb(f64::from(1.0 - value.abs().at_most(1.0))) as f32;
     if value > 0.0 {
         Vec3::new(1.0, rest, rest)
     } else {

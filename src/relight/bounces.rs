@@ -4,6 +4,7 @@ use glam::Vec3;
 use thiserror::Error;
 
 use crate::bake::Bake;
+use crate::maths::order::Order;
 use crate::scene::Bounces;
 use crate::simd::Level;
 
@@ -136,7 +137,7 @@ impl Transport<'_> {
             last = increment;
         }
         Err(BounceError::Diverges {
-            ratio: last.ratio.iter().copied().fold(0.0, f64::max),
+            ratio: last.ratio.iter().copied().fold(0.0, f64::at_least),
         })
     }
 }
@@ -183,9 +184,12 @@ fn change(before: &[[f32; 3]], after: &[[f32; 3]]) -> f64 {
             difference += f64::from((a[channel] - b[channel]).abs());
             total += f64::from(a[channel].abs());
         }
-        difference / f64::max(total, f64::MIN_POSITIVE)
+        difference / f64::at_least(total, f64::MIN_POSITIVE)
     };
-    [0, 1, 2].map(of_channel).into_iter().fold(0.0, f64::max)
+    [0, 1, 2]
+        .map(of_channel)
+        .into_iter()
+        .fold(0.0, f64::at_least)
 }
 
 /// One bounce.

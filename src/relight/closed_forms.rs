@@ -111,6 +111,7 @@ use super::kept::KeptDirect;
 use super::{Component, FrameSettings, Renderer};
 use crate::bake::{Bake, BakeSettings, RunSettings, load_or_bake};
 use crate::frame::Image;
+use crate::maths::order::Order;
 use crate::maths::sobol::ScrambledSobol;
 use crate::scene::{Bounces, Light, PlacedLights, Placement, Scene};
 use crate::simd::Level;
@@ -294,7 +295,7 @@ impl Deviation {
 fn largest(magnitudes: impl IntoIterator<Item = f64>) -> f64 {
     magnitudes.into_iter().fold(0.0, |largest, magnitude| {
         assert!(!magnitude.is_nan(), "a figure is not a number");
-        f64::max(largest, magnitude)
+        f64::at_least(largest, magnitude)
     })
 }
 

@@ -3,6 +3,7 @@
 use glam::Vec3;
 
 use crate::maths::functions::{linear_from_srgb, pow};
+use crate::maths::order::Order;
 
 /// Steps of a channel between 0 and 255 that colours are chosen from.
 const STEP: usize = 17;
@@ -52,7 +53,7 @@ fn farthest_first(count: usize) -> Vec<Levels> {
     while chosen.len() < count {
         let mut farthest = 0;
         for (k, (_, place)) in candidates.iter().enumerate() {
-            nearest[k] = nearest[k].min(squared_distance(*place, last));
+            nearest[k] = nearest[k].at_most(squared_distance(*place, last));
             if nearest[k] > nearest[farthest] {
                 farthest = k;
             }
@@ -123,7 +124,7 @@ mod tests {
             let pairs = (0..count).flat_map(|a| (0..a).map(move |b| (a, b)));
             let least = pairs
                 .map(|(a, b)| squared_distance(colours[a], colours[b]))
-                .fold(f64::INFINITY, f64::min)
+                .fold(f64::INFINITY, f64::at_most)
                 .sqrt();
             assert!(least >= apart, "{count} colours: {least} apart");
         }

@@ -18,6 +18,7 @@ use crate::bake::{
     Scheme, escaped_share_of_fronts, forecast, load_or_bake, load_stored,
 };
 use crate::frame::{Development, EncodedImage, Image};
+use crate::maths::order::Order;
 use crate::scene::{Bounces, Camera, Light, LightKind, PlacedLights, RenderKeys, Scene, Tone};
 use crate::surface::{Detail, Surface};
 
@@ -111,8 +112,8 @@ pub fn develop(image: &Image, component: Component, exposure: f32, tone: Tone) -
 /// Depths as 1 (nearest) to 0 (farthest, and where nothing is seen).
 fn nearness(depths: &Image) -> Image {
     let seen = || depths.pixels().iter().map(|p| p.x).filter(|&d| d > 0.0);
-    let nearest = seen().fold(f32::INFINITY, f32::min);
-    let range = seen().fold(0.0, f32::max) - nearest;
+    let nearest = seen().fold(f32::INFINITY, f32::at_most);
+    let range = seen().fold(0.0, f32::at_least) - nearest;
     depths.map(|p| {
         let share = if range > 0.0 {
             (p.x - nearest) / range

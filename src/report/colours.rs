@@ -89,6 +89,7 @@ impl Scheme {
 mod tests {
     use super::*;
     use crate::maths::functions::linear_from_srgb;
+    use crate::maths::order::Order;
 
     /// Smallest contrast of text (WCAG 2.2, 1.4.3, level AA).
     const TEXT_CONTRAST: f64 = 4.5;
@@ -107,7 +108,7 @@ mod tests {
 
     fn contrast(one: &str, other: &str) -> f64 {
         let (a, b) = (luminance(one), luminance(other));
-        (a.max(b) + 0.05) / (a.min(b) + 0.05)
+        (a.at_least(b) + 0.05) / (a.at_most(b) + 0.05)
     }
 
     #[test]

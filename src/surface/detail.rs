@@ -2,6 +2,7 @@
 
 use super::mesh::LightingMesh;
 use super::vertices::{Joints, LightingVertices, join};
+use crate::maths::order::Order;
 use crate::scene::{BakeKeys, Placement, Scene};
 
 /// Default longest edge, share of the scene's longest side.
@@ -48,7 +49,8 @@ pub(super) fn build(
     let most = detail.most_vertices.unwrap_or(MOST_VERTICES);
     let wanted = detail.max_edge.unwrap_or(DEFAULT_EDGE * placement.extent);
     let finest = finest_edge(scene, placement, most);
-    let mut edge = f64::max(wanted * placement.scale, finest).min(f64::from(LONGEST_EDGE)) as f32;
+    let mut edge =
+        f64::at_least(wanted * placement.scale, finest).at_most(f64::from(LONGEST_EDGE)) as f32;
     let mut built = cut(scene, placement, edge);
     if detail.max_edge.is_none() {
         for _ in 0..MOST_STEPS {
@@ -85,10 +87,13 @@ fn finest_edge(scene: &Scene, placement: &Placement, most: usize) -> f64 {
             .corners
             .map(|i| scene.mesh.positions[i as usize] * placement.scale);
         area += 0.5 * (b - a).cross(c - a).length();
-        length += (b - a).length().max((c - b).length()).max((a - c).length());
+        length += (b - a)
+            .length()
+            .at_least((c - b).length())
+            .at_least((a - c).length());
     }
     // A piece with no edge above e has at most 0.433 e^2 of area.
-    (area / (0.433 * pieces)).sqrt().max(length / pieces)
+    (area / (0.433 * pieces)).sqrt().at_least(length / pieces)
 }
 
 fn cut(

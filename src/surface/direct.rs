@@ -4,6 +4,7 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 use super::{Ray, Surface, SurfacePoint, offset_origin};
+use crate::maths::order::Order;
 use crate::maths::sobol::ScrambledSobol;
 use crate::scene::{Incident, LightSample, PlacedLight, PlacedRectangle, max_component};
 use crate::simd::Level;
@@ -335,7 +336,7 @@ fn uneven_vertices(surface: &Surface, irradiance: &[Vec3]) -> Vec<bool> {
                 continue;
             }
             let [a, b, c] = corners.map(|v| brightness[v as usize]);
-            let (low, high) = (a.min(b).min(c), a.max(b).max(c));
+            let (low, high) = (a.at_most(b).at_most(c), a.at_least(b).at_least(c));
             if high - low > UNIFORM_WITHIN * high {
                 corners.iter().for_each(|&v| uneven[v as usize] = true);
             }

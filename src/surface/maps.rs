@@ -4,6 +4,7 @@ use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 
 use super::{LightingMesh, Surface};
+use crate::maths::order::Order;
 use crate::maths::sobol::ScrambledSobol;
 use crate::texture::{TextureFilter, TextureMap};
 
@@ -48,7 +49,7 @@ impl UvGradient {
         let [p, q, r] = mesh.corner_positions(triangle);
         let (e1, e2) = (q - p, r - p);
         let normal = e1.cross(e2);
-        let squared = normal.length_squared().max(f32::MIN_POSITIVE);
+        let squared = normal.length_squared().at_least(f32::MIN_POSITIVE);
         Self {
             slopes: [e2.cross(normal) / squared, normal.cross(e1) / squared],
             edges: [uv[1] - uv[0], uv[2] - uv[0]],

@@ -8,6 +8,7 @@ use glam::{IVec3, Vec3};
 
 use super::mesh::{LightingMesh, NONE};
 use super::vertices::MeshEdge;
+use crate::maths::order::Order;
 use crate::scene::Placement;
 
 /// A corner closer than this to an edge lies on it, placed units.
@@ -66,7 +67,7 @@ fn find(mesh: &LightingMesh, edges: &[MeshEdge]) -> Vec<Vec3> {
 /// Cells that an edge passes, in its direction. Steps of a quarter of a cell
 /// may cut a corner; a T-junction missed there is one less in a count.
 fn cells_along(a: Vec3, b: Vec3) -> Vec<IVec3> {
-    let steps = ((b - a).length() * CELLS * 4.0).ceil().max(1.0);
+    let steps = ((b - a).length() * CELLS * 4.0).ceil().at_least(1.0);
     let at = |step: u32| cell(a + (b - a) * (step as f32 / steps));
     let mut cells: Vec<IVec3> = (0..=steps as u32).map(at).collect();
     cells.dedup();

@@ -100,6 +100,7 @@ fn rotated(piece: [PieceCorner; 3], first: usize) -> [PieceCorner; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::maths::order::Order;
 
     fn pieces(corners: [Vec3; 3], max_edge: f32) -> Vec<[PieceCorner; 3]> {
         let mut out = Vec::new();
@@ -135,7 +136,10 @@ mod tests {
                     assert!((p[k] - p[(k + 1) % 3]).length() <= 0.11 * LENGTH_SLACK * 1.001);
                 }
             }
-            assert!((sum - whole).abs() < 1e-5 * whole.max(0.1), "{sum} {whole}");
+            assert!(
+                (sum - whole).abs() < 1e-5 * whole.at_least(0.1),
+                "{sum} {whole}"
+            );
         }
     }
 

@@ -11,6 +11,7 @@ use super::grid::{Footprint, Grid, Region, Texel, Texels, floor, floor_f64};
 use super::image_file::{self, LINEAR_FROM_LEVEL, Pixels};
 use super::pyramid::{coarser_levels, strip_area};
 use super::{parts, slabs};
+use crate::maths::order::Order;
 
 /// A bilinear footprint below this extent (texels) is one box, if it is not
 /// askew: a box reaches over three texels along each axis at most.
@@ -379,24 +380,24 @@ fn is_one_box(region: &Region, filter: TextureFilter) -> bool {
 /// How many parts a region has along its edges, with fractions.
 fn part_counts(region: &Region, filter: TextureFilter) -> [f32; 2] {
     let lengths = region.edges.map(|edge| edge.length());
-    let shorter = lengths[0].min(lengths[1]);
+    let shorter = lengths[0].at_most(lengths[1]);
     // Square parts lose nothing as boxes; long ones do where they are askew.
     let side = match filter {
         TextureFilter::Bilinear => shorter.clamp(0.5, 1.0),
         TextureFilter::Nearest => NEAREST_SIDE,
     };
-    lengths.map(|length| (length / side).max(1.0))
+    lengths.map(|length| (length / side).at_least(1.0))
 }
 
 /// The level for a region of texels, and the share of the next one.
 fn level_for(region: &Region) -> (usize, f32) {
     let [a, b] = region.edges;
-    let length = a.length_squared().max(b.length_squared()).sqrt();
+    let length = a.length_squared().at_least(b.length_squared()).sqrt();
     let area = a.perp_dot(b).abs();
     let width = area / length;
     // The longer a region, the more its noise averages out.
     let largest = WIDTH_SHARE * (width * area.sqrt()).sqrt();
-    let cell = largest.max(LENGTH_SHARE * length);
+    let cell = largest.at_least(LENGTH_SHARE * length);
     if cell < 1.0 {
         return (0, 0.0);
     }
@@ -404,7 +405,10 @@ fn level_for(region: &Region) -> (usize, f32) {
     // beyond the last one.
     let level = (cell.to_bits() >> 23) as usize - 127;
     let within = f32::from_bits(cell.to_bits() & 0x7f_ffff | 0x3f80_0000);
-    (level, ((within - BLEND_FROM) / (2.0 - BLEND_FROM)).max(0.0))
+    (
+        level,
+        ((within - BLEND_FROM) / (2.0 - BLEND_FROM)).at_least(0.0),
+    )
 }
 
 /// What is left of a number above its largest whole part, 0..1.

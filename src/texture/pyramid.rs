@@ -1,6 +1,7 @@
 //! Smaller copies of an image: every texel is the exact mean of the area that
 //! it covers, for odd sizes too.
 
+use crate::maths::order::Order;
 use glam::Vec3;
 
 /// One copy, row 0 on top.
@@ -79,7 +80,7 @@ fn shares(fine: usize, coarse: usize, measure: impl Fn(f64, f64) -> f64) -> Vec<
             let last = (to.ceil() as usize).min(fine);
             (from as usize..last)
                 .map(|x| {
-                    let part = measure(from.max(x as f64), to.min((x + 1) as f64));
+                    let part = measure(from.at_least(x as f64), to.at_most((x + 1) as f64));
                     (x, (part / whole) as f32)
                 })
                 .filter(|&(_, share)| share > 0.0)

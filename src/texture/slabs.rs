@@ -10,6 +10,7 @@ use glam::Vec2;
 use glam::Vec3;
 
 use super::grid::{Grid, Region, Sum, Texels, floor};
+use crate::maths::order::Order;
 
 /// A parallelogram flatter than this share of its longer side is widened to
 /// it: a line has no slab. Less than a cell, since a side has at most 48.
@@ -139,7 +140,7 @@ fn lesser(a: f32, b: f32) -> f32 {
 }
 
 fn widened([mut a, mut b]: [Vec2; 2]) -> [Vec2; 2] {
-    let longest = a.length_squared().max(b.length_squared());
+    let longest = a.length_squared().at_least(b.length_squared());
     if a.perp_dot(b).abs() < THINNEST * longest {
         if a.length_squared() >= b.length_squared() {
             b += a.perp() * THINNEST;

@@ -151,7 +151,7 @@ impl Masonry {
             distance_to_whole(place.y * f64::from(self.rows)) / f64::from(self.rows),
         ];
         let grain = self.noise([place.x, place.y].map(|p| (p * TILE_SIDE as f64) as u32), 3);
-        if to_joint[0].min(to_joint[1]) < 0.5 * self.joint {
+        if to_joint.into_iter().any(|d| d < 0.5 * self.joint) {
             return self.mortar * (1.0 + 0.1 * grain);
         }
         let cell = [stone as u32, row as u32];

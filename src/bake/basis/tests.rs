@@ -3,6 +3,7 @@ use super::super::sample_graphs;
 use super::*;
 use crate::bake::places::Places;
 use crate::bake::{BakeSettings, Importance, RunSettings, low_rank, spectral_basis};
+use crate::maths::order::Order;
 use crate::scene::sample_scenes::room_with_blocks;
 use crate::surface::{Detail, Surface};
 
@@ -171,7 +172,7 @@ fn reconstruction_undoes_projection_of_what_the_basis_holds() {
     for (found, wanted) in projected.iter().zip(&coefficients) {
         let off = (0..3).map(|c| (found[c] - wanted[c]).abs());
         assert!(
-            off.fold(0.0, f32::max) < 1e-4,
+            off.fold(0.0, f32::at_least) < 1e-4,
             "{found:?} is not {wanted:?}"
         );
     }
@@ -277,7 +278,7 @@ fn renaming_partitions_changes_no_light() {
     let worst = light.iter().zip(&other).fold(0.0_f32, |worst, (a, b)| {
         let off = (a - b).abs() / mean;
         assert!(off.is_finite(), "{a} and {b}");
-        worst.max(off)
+        worst.at_least(off)
     });
     assert!(worst <= RENAMED, "light changes by {worst:e} of its mean");
 }

@@ -2,6 +2,7 @@ use super::super::graph::VertexGraph;
 use super::super::sample_graphs;
 use super::*;
 use crate::maths::functions::sin;
+use crate::maths::order::Order;
 
 /// Deviation from orthonormality that rounding explains.
 const ORTHONORMAL: f64 = 1e-12;
@@ -68,7 +69,7 @@ fn the_largest_entry_is_positive() {
         let column = pairs.vectors.iter().skip(k).step_by(count);
         let largest = column
             .clone()
-            .fold(0.0_f64, |max, entry| max.max(entry.abs()));
+            .fold(0.0_f64, |max, entry| max.at_least(entry.abs()));
         let first = column
             .clone()
             .find(|entry| entry.abs() >= largest * (1.0 - SIGN_TIE));

@@ -13,6 +13,7 @@ use crate::bake::rows::GroupRows;
 use crate::bake::stats::GroupStats;
 use crate::bake::transfer::{self, GROUP, Sampling, sample_group};
 use crate::bake::{BakeError, Importance, RunSettings};
+use crate::maths::order::Order;
 use crate::surface::Surface;
 
 /// Components that a partition may keep, times the mean.
@@ -242,7 +243,7 @@ impl Job<'_> {
         let areas = self.surface.vertices.areas();
         let areas = vertices.iter().map(|&v| f64::from(areas[v as usize]));
         let mean = areas.clone().sum::<f64>() / vertices.len().max(1) as f64;
-        let least = f64::max(mean * SMALLEST_AREA, f64::from(f32::MIN_POSITIVE));
+        let least = f64::at_least(mean * SMALLEST_AREA, f64::from(f32::MIN_POSITIVE));
         areas
             .map(|area| if area > least { area } else { least }.sqrt() as f32)
             .collect()

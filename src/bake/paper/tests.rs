@@ -8,6 +8,7 @@ use crate::bake::rows::Indices;
 use crate::bake::transfer::{self, Sampling, sample_group};
 use crate::bake::{Bake, BakeSettings, Operator, RunSettings, Scheme, Silent, bake};
 use crate::maths::hash::uniform;
+use crate::maths::order::Order;
 use crate::scene::Scene;
 use crate::scene::sample_scenes::{room_with_blocks, separate_boxes};
 use crate::simd::Level;
@@ -83,7 +84,7 @@ fn dense_rows(surface: &Surface, bake: &Bake) -> Vec<Vec<f64>> {
 /// How far a stored element may be from c: half a step, and what 127 steps do
 /// not reach.
 fn slack(c: f64, step: f64) -> f64 {
-    (c.abs() - 127.0 * step).max(0.5 * step)
+    (c.abs() - 127.0 * step).at_least(0.5 * step)
 }
 
 /// Light that differs from slot to slot and channel to channel.
@@ -118,7 +119,7 @@ fn the_table_answers_as_the_dense_product_within_half_a_step_an_element() {
                 "slot {slot}: {off:e} off, at most {may_be_off:e}"
             );
             lit += usize::from(exact > 0.1);
-            closest = closest.min(if exact > 0.1 {
+            closest = closest.at_most(if exact > 0.1 {
                 may_be_off / exact
             } else {
                 f64::INFINITY
@@ -147,10 +148,10 @@ fn the_largest_elements_of_every_vertex_are_kept() {
         );
         let mut dropped = row.clone();
         list.iter().for_each(|&(k, _)| dropped[k] = 0.0);
-        let largest = dropped.iter().fold(0.0_f64, |max, c| max.max(c.abs()));
+        let largest = dropped.iter().fold(0.0_f64, |max, c| max.at_least(c.abs()));
         let smallest = list
             .iter()
-            .fold(f64::INFINITY, |min, &(k, _)| min.min(row[k].abs()));
+            .fold(f64::INFINITY, |min, &(k, _)| min.at_most(row[k].abs()));
         let bound = if list.len() == KEPT {
             smallest
         } else {

@@ -13,6 +13,7 @@ use super::exposures::tone_mapped;
 use super::filters::{Filter, Filters, Separable};
 use crate::frame::Image;
 use crate::frame::tone::decode_levels_of;
+use crate::maths::order::Order;
 
 /// Rows of a band. Its filters reach 10 rows farther on both sides at the usual
 /// size of pixels: fewer rows convert more pixels twice, more leave threads idle
@@ -106,7 +107,7 @@ impl Band<'_> {
             }
             for (x, error) in errors.iter_mut().enumerate() {
                 let found = scale.error(rows[0].pixel(x), rows[1].pixel(x)) as f32;
-                *error = error.max(found);
+                *error = error.at_least(found);
             }
         }
     }

@@ -4,6 +4,7 @@ use glam::DVec3;
 
 use super::colour::{hunt_lab_from_rgb, hyab, rgb_from_opponent};
 use crate::maths::functions::pow;
+use crate::maths::order::Order;
 
 /// Exponent of the colour distance, q_c.
 const COLOUR_EXPONENT: f64 = 0.7;
@@ -61,7 +62,7 @@ impl ErrorScale {
         } else {
             let beyond = (distance - knee) / (self.largest_distance - knee);
             // Rounding alone can pass 1.
-            (ERROR_WHERE_SQUEEZED + beyond * (1.0 - ERROR_WHERE_SQUEEZED)).min(1.0)
+            (ERROR_WHERE_SQUEEZED + beyond * (1.0 - ERROR_WHERE_SQUEEZED)).at_most(1.0)
         }
     }
 }
@@ -78,8 +79,8 @@ fn feature_error(reference: Perceived, candidate: Perceived) -> f64 {
     let points = (candidate.point - reference.point).abs();
     // The exponent is a half, for which the square root is exact.
     const { assert!(FEATURE_EXPONENT == 0.5, "the root below is square") };
-    (std::f64::consts::FRAC_1_SQRT_2 * edges.max(points))
-        .min(1.0)
+    (std::f64::consts::FRAC_1_SQRT_2 * edges.at_least(points))
+        .at_most(1.0)
         .sqrt()
 }
 

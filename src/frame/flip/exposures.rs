@@ -4,6 +4,7 @@ use glam::{DVec3, Vec3};
 
 use crate::frame::Image;
 use crate::maths::functions::{exp2, log2};
+use crate::maths::order::Order;
 
 /// Luminance of the channels of linear Rec.709 RGB, with the digits that the
 /// standard gives.
@@ -45,7 +46,13 @@ impl Exposures {
             .collect();
         luminances.sort_unstable_by(f64::total_cmp);
         // Of an even number of pixels, the upper of the two in the middle.
-        let of_rank = |rank: usize| luminances.get(rank).copied().unwrap_or(0.0).max(DARKEST);
+        let of_rank = |rank: usize| {
+            luminances
+                .get(rank)
+                .copied()
+                .unwrap_or(0.0)
+                .at_least(DARKEST)
+        };
         let median = of_rank(luminances.len() / 2);
         let largest = of_rank(luminances.len().saturating_sub(1));
         let shown = value_shown_as(SHOWN_AS);
@@ -78,7 +85,7 @@ pub(super) fn tone_mapped(pixel: Vec3, gain: f64) -> DVec3 {
 fn aces(x: f64) -> f64 {
     let numerator = x * (NUMERATOR[0] * x + NUMERATOR[1]);
     let denominator = x * (DENOMINATOR[0] * x + DENOMINATOR[1]) + DENOMINATOR[2];
-    (numerator / denominator).min(1.0)
+    (numerator / denominator).at_most(1.0)
 }
 
 /// The value that the tone curve takes to `shown`, 0 to 1: the positive root of

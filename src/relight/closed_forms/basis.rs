@@ -5,6 +5,7 @@ use glam::{DVec3, Vec3};
 
 use super::{Baked, at_most, frames_of};
 use crate::bake::RunSettings;
+use crate::maths::order::Order;
 use crate::relight::basis_view::{BasisFunctionError, BasisView};
 use crate::relight::{BasisFunction, Component, FrameSettings, RenderError, Renderer, develop};
 use crate::scene::sample_scenes::{
@@ -31,7 +32,7 @@ fn lit_room(functions: Option<u32>) -> Scene {
 
 fn largest_difference(a: &[Vec3], b: &[Vec3]) -> f64 {
     let largest = |values: &mut dyn Iterator<Item = Vec3>| {
-        f64::from(values.fold(0.0, |most, v| f32::max(most, v.abs().max_element())))
+        f64::from(values.fold(0.0, |most, v| f32::at_least(most, v.abs().max_element())))
     };
     let differences = &mut a.iter().zip(b).map(|(a, b)| *a - *b);
     largest(differences) / largest(&mut b.iter().copied())
@@ -78,7 +79,10 @@ fn even_light_on_a_floor_is_approximated_by_itself() {
     let [shown, direct] = frames_of(&scene, [Component::ApproximatedDirect, Component::Direct]);
     let radiance = 0.6 * 3.0 * std::f32::consts::FRAC_1_PI;
     for (a, d) in shown.pixels().iter().zip(direct.pixels()) {
-        let off = (*a - *d).abs().max_element().max((a.x - radiance).abs());
+        let off = (*a - *d)
+            .abs()
+            .max_element()
+            .at_least((a.x - radiance).abs());
         assert!(f64::from(off) <= ROUNDING, "{a} and {d} are not {radiance}");
     }
 }
@@ -177,7 +181,9 @@ fn a_function_has_one_partition_and_reaches_one() {
             assert_eq!(of_partition, values(BasisFunction::InAll(number as u32)));
             let inside: Vec<f32> = of_partition.iter().copied().flatten().collect();
             assert_eq!(inside.len(), basis.slot_range(partition).len());
-            let largest = inside.iter().fold(0.0, |most, v| f32::max(most, v.abs()));
+            let largest = inside
+                .iter()
+                .fold(0.0, |most, v| f32::at_least(most, v.abs()));
             assert_eq!(largest, 1.0, "function {number}");
             // The lowest frequency is a constant, all others have both signs.
             let is_constant = inside.iter().all(|v| (v - inside[0]).abs() < 1e-4);

@@ -4,6 +4,7 @@
 use glam::{DVec3, Vec3};
 
 use crate::bake::RunSettings;
+use crate::maths::order::Order;
 use crate::relight::{COMPONENTS, Component, FrameSettings, Renderer};
 use crate::scene::sample_scenes::{
     BOX_SIDES, Facing, SampleMesh, area_light, constant_sky, directional_light, lamp_facing_down,
@@ -41,7 +42,10 @@ fn brightest(what: &str, renderer: &mut Renderer, settings: &FrameSettings) -> f
             );
         }
         if component == Component::Global {
-            brightest = image.pixels().iter().fold(brightest, |b, p| b.max(p.x));
+            brightest = image
+                .pixels()
+                .iter()
+                .fold(brightest, |b, p| b.at_least(p.x));
         }
     }
     brightest

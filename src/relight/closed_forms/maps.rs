@@ -6,6 +6,7 @@ use glam::{DVec3, Vec3};
 
 use super::{Baked, at_most, frame_of, frames_of, largest};
 use crate::maths::functions::{cos, sin};
+use crate::maths::order::Order;
 use crate::relight::Component;
 use crate::scene::sample_scenes::{
     BOX_SIDES, Facing, SampleMesh, constant_sky, cube_room, directional_light, mapped_sky,
@@ -76,8 +77,8 @@ fn cube_in_the_open() -> Baked {
 fn beside_quarter(apart: f64) -> f64 {
     let quarter = PI / 4.0;
     let (from, to) = (
-        f64::max(-quarter, apart - PI / 2.0),
-        f64::min(quarter, apart + PI / 2.0),
+        f64::at_least(-quarter, apart - PI / 2.0),
+        f64::at_most(quarter, apart + PI / 2.0),
     );
     if from >= to {
         return 0.0;

@@ -7,6 +7,7 @@ use std::f64::consts::PI;
 
 use super::enclosures::{CUBE, ONE_FACE, form_factor_of_face};
 use super::{Deviation, at_least, at_most};
+use crate::maths::order::Order;
 
 /// What is left of a row where faces meet, against its limit on a fine mesh.
 const HALF_ROW: f64 = 0.02;
@@ -25,7 +26,7 @@ fn point_kernel() -> Vec<f64> {
     for (here, normal, _) in &places {
         rows.extend(places.iter().map(|(there, other, area)| {
             let between = *there - *here;
-            let cosines = between.dot(*normal).max(0.0) * (-between.dot(*other)).max(0.0);
+            let cosines = between.dot(*normal).at_least(0.0) * (-between.dot(*other)).at_least(0.0);
             let square = between.length_squared();
             if cosines > 0.0 {
                 cosines / (PI * square * square) * area

@@ -6,6 +6,7 @@ use glam::DVec3;
 
 use super::area::{parallel_corner, perpendicular_corner};
 use super::{Baked, Deviation, at_most, frame_of, largest};
+use crate::maths::order::Order;
 use crate::maths::sobol::ScrambledSobol;
 use crate::relight::Component;
 use crate::scene::sample_scenes::{BoxSide, Facing, SampleMesh, constant_sky};
@@ -63,8 +64,9 @@ fn a_plane_under_a_constant_sky_receives_pi_l() {
 
 /// Form factor from a point of the box of 2 m around the origin to its open top.
 fn share_of_sky(point: DVec3, normal: DVec3) -> f64 {
-    let above = (1.0 - point.y).max(1e-9);
-    let reach = |axis: usize| [1.0 - point[axis], 1.0 + point[axis]].map(|d| d.max(0.0) / above);
+    let above = (1.0 - point.y).at_least(1e-9);
+    let reach =
+        |axis: usize| [1.0 - point[axis], 1.0 + point[axis]].map(|d| d.at_least(0.0) / above);
     let [along_x, along_z] = [reach(0), reach(2)];
     if normal.y > 0.9 {
         let corners = along_x.map(|a| along_z.map(|b| parallel_corner(a, b)));

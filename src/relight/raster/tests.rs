@@ -9,6 +9,7 @@ use super::screen::Screen;
 use super::triangle::TriangleSetup;
 use super::*;
 use crate::maths::hash::{hash3, uniform};
+use crate::maths::order::Order;
 use crate::scene::{Camera, PlacedCamera, Placement};
 
 /// A mesh that owns what a [`RasterMesh`] borrows.
@@ -449,7 +450,7 @@ fn samples_measure_the_area_beside_any_line() {
             .iter()
             .filter(|[x, y]| is_inside(f64::from(*x), f64::from(*y)));
         let error = samples.count() as f64 / 16.0 - area as f64 / (fine * fine) as f64;
-        worst = worst.max(error.abs());
+        worst = worst.at_least(error.abs());
         squares += error * error;
     }
     let rms = (squares / 400.0).sqrt();

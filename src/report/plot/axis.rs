@@ -1,6 +1,7 @@
 //! From values to places along an axis, and the ticks that name some of them.
 
 use crate::maths::functions::ln;
+use crate::maths::order::Order;
 use crate::report::Scale;
 use crate::report::number::{decimal, decimal_exponent, decimal_text};
 
@@ -55,7 +56,7 @@ impl Range {
     ) -> Self {
         let ends = values.into_iter().fold(None, |ends, value| match ends {
             None => Some((value, value)),
-            Some((low, high)) => Some((value.min(low), value.max(high))),
+            Some((low, high)) => Some((value.at_most(low), value.at_least(high))),
         });
         match scale {
             Scale::Linear => Self::linear(ends.unwrap_or((0.0, 1.0)), tick_count),
@@ -142,7 +143,7 @@ impl Range {
 
 /// Ends that are apart, also around a single value.
 fn spread(low: f64, high: f64) -> (f64, f64) {
-    let size = low.abs().max(high.abs());
+    let size = low.abs().at_least(high.abs());
     if size == 0.0 {
         (0.0, 1.0)
     } else if high - low <= SMALLEST_SPREAD * size {

@@ -2,6 +2,7 @@
 
 use super::axis::{Range, can_be_drawn};
 use super::placing::Rectangle;
+use crate::maths::order::Order;
 use crate::report::{Axis, Plot, Scale};
 
 /// Height of the letters, units of the plot.
@@ -74,13 +75,13 @@ impl<'a> Layout<'a> {
             .ticks
             .iter()
             .map(|tick| text_width(&tick.text))
-            .fold(0.0, f64::max);
+            .fold(0.0, f64::at_least);
         let last_tick = x.ticks.last().map_or(0.0, |tick| text_width(&tick.text));
         let area = Rectangle {
             left: widest + 12.0,
             // Legend, then the vertical axis' label.
             top: legend_rows as f64 * ROW + ROW + 14.0,
-            right: size.width - (0.5 * last_tick).max(10.0),
+            right: size.width - (0.5 * last_tick).at_least(10.0),
             // Ticks, then the horizontal axis' label.
             bottom: size.height - 2.0 * ROW - 6.0,
         };

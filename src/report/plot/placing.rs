@@ -1,5 +1,6 @@
 //! Where the labels of marks stand: beside their points, clear of the data and
 //! of each other as far as that is possible.
+use crate::maths::order::Order;
 
 /// A rectangle in the plot's units, `y` downward.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -12,9 +13,9 @@ pub(super) struct Rectangle {
 
 impl Rectangle {
     fn overlap(&self, other: &Self) -> f64 {
-        let width = self.right.min(other.right) - self.left.max(other.left);
-        let height = self.bottom.min(other.bottom) - self.top.max(other.top);
-        width.max(0.0) * height.max(0.0)
+        let width = self.right.at_most(other.right) - self.left.at_least(other.left);
+        let height = self.bottom.at_most(other.bottom) - self.top.at_least(other.top);
+        width.at_least(0.0) * height.at_least(0.0)
     }
 
     fn area(&self) -> f64 {

@@ -31,6 +31,7 @@ pub(crate) use sun::PlacedSun;
 use super::SceneError;
 use super::file::fields::Fields;
 use super::images::Sources;
+use crate::maths::order::Order;
 
 /// How a kind is read from its table and the files that it names.
 type Reader = fn(&mut Fields, &Sources<'_>) -> Result<LightKind, SceneError>;
@@ -248,7 +249,7 @@ impl LightSample {
         let to_light = from + self.direction * self.distance - point;
         let distance = to_light.length();
         Self {
-            direction: to_light / distance.max(f32::MIN_POSITIVE),
+            direction: to_light / distance.at_least(f32::MIN_POSITIVE),
             distance,
             irradiance: self.irradiance,
         }

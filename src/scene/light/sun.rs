@@ -5,6 +5,7 @@ use glam::Vec3;
 
 use super::LightSample;
 use crate::maths::functions::cos;
+use crate::maths::order::Order;
 use crate::maths::sampling::cone_direction;
 
 /// A bright disc infinitely far away.
@@ -22,7 +23,7 @@ impl PlacedSun {
     /// Irradiance on a plane of unit `normal`, W/m2, as of its middle: a disc cut
     /// by the horizon is there or not, all of it.
     pub(super) fn unoccluded(&self, normal: Vec3) -> Vec3 {
-        self.irradiance * self.direction.dot(normal).max(0.0)
+        self.irradiance * self.direction.dot(normal).at_least(0.0)
     }
 
     /// Whether a unit direction leads to the disc or the blur of its border: of

@@ -5,6 +5,7 @@ use std::path::Path;
 use glam::{DVec2, DVec3};
 
 use super::clean::{Cleaned, FaceNote};
+use crate::maths::order::Order;
 use crate::scene::defects::{Defect, Defects};
 use crate::scene::file::fields::unit;
 use crate::scene::{Mesh, MeshTriangle, SceneError};
@@ -144,7 +145,7 @@ pub(super) fn is_degenerate([a, b, c]: [DVec3; 3]) -> bool {
     // Relative to the size, so that squares neither vanish nor overflow.
     let [u, v] = [(b - a) / size, (c - a) / size];
     let coordinate = a.abs().max(b.abs()).max(c.abs()).max_element();
-    let rounding = f64::EPSILON * (coordinate / size).max(1.0);
+    let rounding = f64::EPSILON * (coordinate / size).at_least(1.0);
     u.cross(v).length() <= COLLINEAR_ULPS * rounding
 }
 

@@ -5,6 +5,7 @@ use std::f32::consts::{PI, TAU};
 use glam::Vec3;
 
 use crate::maths::functions::{atan2_f32, cos, cos_f32, sin_f32};
+use crate::maths::order::Order;
 use crate::texture::pyramid::{Level, coarser_levels};
 
 /// Rows that a cone spans at most before a coarser level is read; at least half
@@ -98,7 +99,7 @@ impl Panorama {
         }
         let place = place_of(direction);
         let spread = if spread_rad > 0.0 {
-            spread_rad.min(PI)
+            spread_rad.at_most(PI)
         } else {
             0.0
         };
@@ -134,7 +135,7 @@ impl Panorama {
         if level >= last {
             return (last, 0.0);
         }
-        let next_share = ((within - BLEND_FROM) / (2.0 - BLEND_FROM)).max(0.0);
+        let next_share = ((within - BLEND_FROM) / (2.0 - BLEND_FROM)).at_least(0.0);
         (level, next_share)
     }
 
@@ -142,8 +143,8 @@ impl Panorama {
     /// map's.
     fn level_mean(&self, level: usize, [u, v]: [f32; 2], [width, height]: [f32; 2]) -> Vec3 {
         let rows = self.levels[level].size[1];
-        let from = (v - 0.5 * height).max(0.0) * rows as f32;
-        let to = (v + 0.5 * height).min(1.0) * rows as f32;
+        let from = (v - 0.5 * height).at_least(0.0) * rows as f32;
+        let to = (v + 0.5 * height).at_most(1.0) * rows as f32;
         let solid_angles = &self.texel_solid_angles[level];
         let mut sum = Vec3::ZERO;
         let mut total = 0.0;

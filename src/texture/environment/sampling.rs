@@ -12,6 +12,7 @@ use glam::Vec3;
 
 use super::lookup::{Panorama, place_of, texel_solid_angles};
 use crate::maths::functions::{cos, cos_f32, sin_f32};
+use crate::maths::order::Order;
 
 /// Share of the samples that is uniform over the sphere. It bounds what a dim
 /// direction can weigh: 20 times its share. More is taken from the bright ones.
@@ -108,7 +109,7 @@ impl Distribution {
         // Uniform in solid angle: uniform in the cosine.
         let upright = self.cosines[y] + (self.cosines[y + 1] - self.cosines[y]) * down_within;
         let azimuth = (x as f32 + across_within) / width as f32 * TAU;
-        let radius = (1.0 - upright * upright).max(0.0).sqrt();
+        let radius = (1.0 - upright * upright).at_least(0.0).sqrt();
         let direction = Vec3::new(
             radius * sin_f32(azimuth),
             upright,

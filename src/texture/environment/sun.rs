@@ -7,6 +7,7 @@ use glam::{DVec3, Vec3};
 
 use super::lookup::{direction_of, texel_solid_angles};
 use crate::maths::functions::{cos, cos_f32};
+use crate::maths::order::Order;
 
 /// A small bright source in a map.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -49,7 +50,8 @@ pub(super) fn find(size: [usize; 2], texels: &[Vec3]) -> Option<(Sun, Vec<Vec3>)
     let peak = map.brightest()?;
     let surroundings = map.ring_mean(peak)?;
     let level = gray(surroundings);
-    let threshold = (ABOVE_SURROUNDINGS * level).max(SHARE_OF_PEAK * gray(texels[peak].as_dvec3()));
+    let threshold =
+        (ABOVE_SURROUNDINGS * level).at_least(SHARE_OF_PEAK * gray(texels[peak].as_dvec3()));
     let cluster = map.cluster(peak, threshold)?;
     let sun = map.sun_of(&cluster, surroundings)?;
     map.outshines_the_rest(&cluster, threshold, level)
@@ -107,8 +109,8 @@ impl<'a> Map<'a> {
         let height = self.size[1];
         let v = super::lookup::place_of(direction)[1];
         let reach = angle_rad / PI;
-        let from = ((v - reach) * height as f32).floor().max(0.0) as usize;
-        let to = ((v + reach) * height as f32).ceil().max(0.0) as usize;
+        let from = ((v - reach) * height as f32).floor().at_least(0.0) as usize;
+        let to = ((v + reach) * height as f32).ceil().at_least(0.0) as usize;
         from..to.min(height)
     }
 

@@ -3,6 +3,7 @@ use std::f64::consts::PI;
 use super::*;
 use crate::maths::functions::{cos_f32, sin_f32};
 use crate::maths::hash::uniform;
+use crate::maths::order::Order;
 use lookup::direction_of;
 
 fn map_of(size: [usize; 2], radiance: impl Fn(Vec3) -> f32) -> EnvironmentMap {
@@ -22,7 +23,7 @@ fn directions(count: u32) -> Vec<Vec3> {
         .map(|i| {
             let y = 1.0 - 2.0 * uniform(1, i, 0);
             let angle = uniform(1, i, 1) * std::f32::consts::TAU;
-            let across = (1.0 - y * y).max(0.0).sqrt();
+            let across = (1.0 - y * y).at_least(0.0).sqrt();
             Vec3::new(across * sin_f32(angle), y, across * cos_f32(angle))
         })
         .collect();
@@ -157,7 +158,7 @@ fn what_is_no_sun_is_left() {
         (
             "overcast with a bright patch",
             map_of([256, 128], |d| {
-                let toward = d.dot(toward_sun()).max(0.0);
+                let toward = d.dot(toward_sun()).at_least(0.0);
                 1.0 + 6.0 * (0..20).fold(1.0, |power, _| power * toward)
             }),
         ),
@@ -191,7 +192,7 @@ fn the_density_integrates_to_one_and_is_what_is_sampled() {
     const DEVIATIONS: f64 = 5.0;
     /// Rounding of 1e-6 over texels of 0.02, with a margin.
     const MOST_AT_BORDERS: f64 = 1e-3;
-    let map = map_of([48, 24], |d| 0.1 + (3.0 * d.x + d.y).max(0.0));
+    let map = map_of([48, 24], |d| 0.1 + (3.0 * d.x + d.y).at_least(0.0));
     let cell_of = crate::maths::cube_cells::cell_of;
     let mut wanted = vec![0.0; CELL_COUNT];
     for (cell, share) in wanted.iter_mut().enumerate() {

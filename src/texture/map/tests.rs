@@ -3,6 +3,7 @@ use std::time::Instant;
 
 use super::*;
 use crate::maths::hash::uniform;
+use crate::maths::order::Order;
 
 /// Points along each axis of a footprint in the brute-force mean.
 const POINTS: u32 = 160;
@@ -152,7 +153,7 @@ fn error_and_time() {
                             black_box(map.mean(at[0], at[1], at[2], filter));
                         }
                         let round = start.elapsed().as_secs_f64() * 1e9;
-                        ns = ns.min(round / places.len() as f64);
+                        ns = ns.at_most(round / places.len() as f64);
                     }
                     println!("{name:14} {filter:9?} {extent:5} {stretch:5} {error:8.2} {ns:6.0}");
                 }

@@ -123,7 +123,7 @@ fn relief(angle: f64, height: f64) -> f64 {
 
 /// Waves of hair on the crown and the back of the head.
 fn hair(angle: f64, height: f64) -> f64 {
-    let hairline = 0.835 - 0.1 * (1.0 - bell(0.9 * (angle.abs() - 0.2).max(0.0)));
+    let hairline = 0.835 - 0.1 * (1.0 - bell(0.9 * (angle.abs() - 0.2).clamp(0.0, f64::INFINITY)));
     let cover = smooth_step((height - hairline) / 0.02) * smooth_step((0.93 - height) / 0.03);
     let waves = 0.004 * libm::sin(14.0 * angle + 5.0 * libm::sin(22.0 * height));
     cover * (0.008 + waves)

@@ -72,7 +72,7 @@ fn ring(point: DVec4, around: usize) -> Vec<DVec3> {
             let across = libm::sin(0.5 * FLUTES * (angle + FLUTE_TURN * height));
             // Narrow ridges between wide hollows.
             let ridge = bell(2.2 * across) - 0.4;
-            let radius = radius * (1.0 + FLUTE_DEPTH * flutes.max(0.0) * ridge);
+            let radius = radius * (1.0 + FLUTE_DEPTH * flutes.clamp(0.0, f64::INFINITY) * ridge);
             DVec3::new(radius * libm::sin(angle), height, radius * libm::cos(angle))
         })
         .collect()

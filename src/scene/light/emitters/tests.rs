@@ -5,6 +5,7 @@ use glam::Vec3;
 use super::{Emitters, LightCut};
 use crate::maths::functions::{cos_f32, sin_f32};
 use crate::maths::hash::uniform;
+use crate::maths::order::Order;
 use crate::maths::sobol::ScrambledSobol;
 use crate::scene::light::Polygon;
 use crate::scene::max_component;
@@ -139,13 +140,13 @@ fn errors(polygons: &[Polygon]) -> Errors {
     let brightest = results
         .iter()
         .map(|(exact, _)| max_component(*exact))
-        .fold(0.0, f32::max);
+        .fold(0.0, f32::at_least);
     let (mut largest, mut squares, mut entries) = (0.0, 0.0, 0);
     for (exact, cut) in &results {
-        let scale = max_component(*exact).max(0.01 * brightest);
+        let scale = max_component(*exact).at_least(0.01 * brightest);
         let error = max_component((cut.open() - *exact).abs()) / scale;
         assert!(cut.open().is_finite() && error.is_finite(), "{error}");
-        largest = f32::max(largest, error);
+        largest = f32::at_least(largest, error);
         squares += error * error;
         entries += cut.len();
     }
@@ -200,7 +201,7 @@ fn the_mean_of_samples_is_the_open_irradiance() {
         let emitters = Emitters::new(polygons);
         let brightest = places(40)
             .map(|(position, normal)| max_component(emitters.cut(position, normal).open()))
-            .fold(0.0, f32::max);
+            .fold(0.0, f32::at_least);
         for (set, (position, normal)) in places(12).enumerate() {
             let cut = emitters.cut(position, normal);
             let points = ScrambledSobol::new(9, set as u32);
@@ -209,11 +210,11 @@ fn the_mean_of_samples_is_the_open_irradiance() {
                 if let Some(sample) = cut.sample(&emitters, points.point2(index)) {
                     let cosine = sample.direction.dot(normal);
                     assert!(cosine > -1e-6 && sample.distance > 0.0);
-                    sum += (sample.irradiance * cosine.max(0.0)).as_dvec3();
+                    sum += (sample.irradiance * cosine.at_least(0.0)).as_dvec3();
                 }
             }
             let mean = (sum / 16_384.0).as_vec3();
-            let scale = max_component(cut.open()).max(0.01 * brightest);
+            let scale = max_component(cut.open()).at_least(0.01 * brightest);
             assert!(
                 max_component((mean - cut.open()).abs()) <= SAMPLED_ERROR * scale,
                 "{name}, {position}: {mean} {}",

@@ -6,6 +6,7 @@ mod node;
 
 use super::cut::{LightCut, Source};
 use super::{Polygon, weight};
+use crate::maths::order::Order;
 use crate::scene::max_component;
 use gathered::Gathered;
 use node::{Node, Verdict};
@@ -174,6 +175,10 @@ impl Builder<'_> {
         let first = self.nodes.len();
         self.nodes.extend([Node::default(), Node::default()]);
         let (low, high) = order.split_at_mut(middle);
+        // In which order the halves were left is the standard library's affair,
+        // another version's another; sums over them are to be the same.
+        low.sort_unstable();
+        high.sort_unstable();
         let low = self.build(first, low);
         let high = self.build(first + 1, high);
         let gathered = low.joined(&high);
@@ -181,7 +186,7 @@ impl Builder<'_> {
         let cosine = order
             .iter()
             .map(|&i| self.polygons[i as usize].normal().dot(axis))
-            .fold(1.0, f64::min);
+            .fold(1.0, f64::at_most);
         self.nodes[index] = Node::inner(first as u32, &gathered, cosine);
         gathered
     }

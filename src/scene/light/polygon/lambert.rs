@@ -7,6 +7,7 @@
 //! through the point and the edge) . n, for a polygon above the horizon of n;
 //! what is below is cut off first.
 
+use crate::maths::order::Order;
 use glam::DVec3;
 
 /// A quadrilateral cut by one plane has at most five corners.
@@ -43,7 +44,11 @@ pub(super) fn form_factor<const N: usize>(corners: [DVec3; N], n: DVec3) -> f64 
         edge_sum(&clipped[..count], n)
     };
     let factor = sum * (-0.5 / std::f64::consts::PI);
-    if factor > 0.0 { factor.min(1.0) } else { 0.0 }
+    if factor > 0.0 {
+        factor.at_most(1.0)
+    } else {
+        0.0
+    }
 }
 
 /// The part of a convex polygon with positive heights, and its corner count

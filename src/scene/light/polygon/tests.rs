@@ -5,6 +5,7 @@ use glam::{DVec3, Vec3};
 use super::Polygon;
 use crate::maths::functions::{acos, cos, sin};
 use crate::maths::hash::uniform;
+use crate::maths::order::Order;
 
 /// The brief's limit for closed forms; single-precision results of about 0.2
 /// are rounded by 1e-8, the rest is headroom for the averages below.
@@ -51,8 +52,8 @@ fn by_quadrature(polygon: &Polygon, position: Vec3, normal: Vec3) -> f64 {
             };
             let to_point = a + u * s + v * t - position.as_dvec3();
             let squared = to_point.length_squared();
-            let cosines = normal.as_dvec3().dot(to_point).max(0.0)
-                * (-polygon.normal().dot(to_point)).max(0.0);
+            let cosines = normal.as_dvec3().dot(to_point).at_least(0.0)
+                * (-polygon.normal().dot(to_point)).at_least(0.0);
             sum += inside * cosines / (squared * squared);
         }
     }
@@ -194,7 +195,7 @@ fn a_tiny_or_far_polygon_acts_like_a_point() {
     let normal = Vec3::new(0.1, 1.0, -0.2).normalize();
     // On both sides of the switch from Lambert's sum to the point.
     for size in [3e-3_f32, 1.1e-4, 0.9e-4, 1e-6] {
-        let distance = 1e3 * size.max(1e-3);
+        let distance = 1e3 * size.at_least(1e-3);
         let ratio = size / distance;
         let polygon = quad([0.0, distance, 0.0], [size, 0.0, 0.0], [0.0, 0.0, size]);
         let to_centroid =

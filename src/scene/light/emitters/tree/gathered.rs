@@ -3,6 +3,7 @@
 use glam::{DMat3, DVec3};
 
 use super::node::{PROBES, probe};
+use crate::maths::order::Order;
 use crate::scene::light::Polygon;
 use crate::scene::light::emitters::weight;
 
@@ -52,7 +53,7 @@ impl Gathered {
             normal_normal: outer(n, n) * weight,
             position_normal: outer(center, n) * weight,
             response: std::array::from_fn(|index| {
-                weight as f32 * normal.dot(probe(index)).max(0.0)
+                weight as f32 * normal.dot(probe(index)).at_least(0.0)
             }),
             channel_position: channels.map(|flux| center * flux),
             channel_normal: channels.map(|flux| n * flux),
@@ -140,7 +141,7 @@ impl Gathered {
         let mut largest = 0.0;
         for channel in 0..3 {
             if flux[channel] > 0.0 {
-                largest = f64::max(
+                largest = f64::at_least(
                     largest,
                     deviation(channel, flux[channel]) * flux[channel] / brightest,
                 );

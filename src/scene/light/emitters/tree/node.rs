@@ -16,6 +16,7 @@ use glam::{Mat3, Vec3};
 
 use super::gathered::Gathered;
 use crate::maths::functions::{cos_f32, sin_f32};
+use crate::maths::order::Order;
 use crate::scene::light::emitters::cut::Source;
 
 /// Directions in which the polygons' response is known when a node is made.
@@ -107,7 +108,7 @@ impl Node {
             mean_normal: gathered.mean_normal().as_vec3(),
             axis: gathered.normal_axis().as_vec3(),
             spread: if cosine > 0.0 {
-                (1.0 - cosine * cosine).max(0.0).sqrt() as f32
+                (1.0 - cosine * cosine).at_least(0.0).sqrt() as f32
             } else {
                 2.0
             },
@@ -196,7 +197,7 @@ impl Node {
         let scale = self.weight * inverse * inverse;
         let angle = (self.squared_size * inverse * inverse).sqrt();
         let error = SIZE_ERROR * angle * angle * angle + self.color_shift * inverse;
-        if scale * error > (relative * scale).max(allowed) {
+        if scale * error > (relative * scale).at_least(allowed) {
             return Verdict::Open;
         }
         let (value, error) = if facing >= turn && above >= self.radius {
@@ -206,8 +207,8 @@ impl Node {
             let (value, clipped) = self.clipped(direction, normal, inverse);
             (value, error + clipped + self.color_turn)
         };
-        if scale * error <= (relative * scale * value).max(allowed) {
-            Verdict::Stands(self.flux * (value.max(0.0) * inverse * inverse))
+        if scale * error <= (relative * scale * value).at_least(allowed) {
+            Verdict::Stands(self.flux * (value.at_least(0.0) * inverse * inverse))
         } else {
             Verdict::Open
         }
@@ -265,7 +266,7 @@ impl Node {
 
 /// Half width of the uniform distribution of a variance.
 fn half_width(variance: f32) -> f32 {
-    (3.0 * variance.max(0.0)).sqrt()
+    (3.0 * variance.at_least(0.0)).sqrt()
 }
 
 /// Mean of max(0, x) for x uniform within `half` of `mean`.
