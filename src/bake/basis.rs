@@ -294,9 +294,9 @@ impl Basis {
             rest = others;
             jobs.push((part, own));
         }
-        jobs.into_par_iter()
-            .with_min_len(8)
-            .for_each_init(Default::default, |(weighted, scratch), (part, sums)| {
+        jobs.into_par_iter().with_min_len(8).for_each_init(
+            Default::default,
+            |(weighted, scratch), (part, sums)| {
                 project(
                     level,
                     self.part_values(part),
@@ -305,7 +305,8 @@ impl Basis {
                     sums,
                     scratch,
                 );
-            });
+            },
+        );
         coefficients
     }
 

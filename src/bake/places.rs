@@ -202,7 +202,11 @@ impl<'a> Places<'a> {
         let mean = products.iter().sum::<f64>() / products.len().max(1) as f64;
         let share = |product: f64| {
             let share = product / mean;
-            if share > LEAST_MASS { share as f32 } else { LEAST_MASS as f32 }
+            if share > LEAST_MASS {
+                share as f32
+            } else {
+                LEAST_MASS as f32
+            }
         };
         if mean > 0.0 {
             products.into_iter().map(share).collect()

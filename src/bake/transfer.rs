@@ -160,8 +160,7 @@ pub(crate) fn sample_group(
             arrived[lane] += f64::from(weights[lane]);
         }
     }
-    let share =
-        |count: RayCounts| f64::from(count.escaped) / f64::from(count.in_the_open());
+    let share = |count: RayCounts| f64::from(count.escaped) / f64::from(count.in_the_open());
     GroupTransfer {
         entries,
         noise,

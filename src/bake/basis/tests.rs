@@ -111,7 +111,7 @@ fn masses_keep_orthonormal_functions_and_constant_light() {
 #[test]
 fn projection_under_masses_keeps_what_is_handed_on() {
     let (basis, masses) = under_masses();
-    let bright = |i: u32| if i % 7 == 0 { 5.0 } else { 0.1 };
+    let bright = |i: u32| if i.is_multiple_of(7) { 5.0 } else { 0.1 };
     let slots = basis.vertex_of_slot().iter();
     let light: Vec<[f32; 3]> = slots.map(|&v| [bright(v); 3]).collect();
     let kept = basis.reconstruct_rgb(&basis.project_rgb(Level::Scalar, &light));

@@ -88,7 +88,12 @@ pub(super) struct Factors {
 
 /// The leading `rank` components of Y, and what `noise`, a matrix of the noise in
 /// Y alone, makes of their U: D V / s for U = Y V / s.
-pub(super) fn factorise(level: Level, y: &Matrix, noise: &Matrix, rank: usize) -> (Factors, Matrix) {
+pub(super) fn factorise(
+    level: Level,
+    y: &Matrix,
+    noise: &Matrix,
+    rank: usize,
+) -> (Factors, Matrix) {
     let factors = leading(level, y, rank);
     if factors.energies.is_empty() {
         return (factors, Matrix::default());

@@ -254,12 +254,12 @@ mod tests {
             right: column(&|_| 1.0),
             left: left.clone(),
             energies: vec![1.0],
-            ..Factors::default()
         };
         smooth(&mut factors, &sample, &[1.0; 200], &ring(count));
         let error = |found: &Matrix| {
             let values = found.values.iter().enumerate();
-            let squares: f32 = values.map(|(i, v)| (v - signal(i)).powi(2)).sum();
+            let off = values.map(|(i, v)| v - signal(i));
+            let squares: f32 = off.map(|off| off * off).sum();
             (squares / count as f32).sqrt()
         };
         ([error(&left), error(&factors.left)], factors.energies[0])
