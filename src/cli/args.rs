@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
-use relume::{Bounces, Component, ComponentError, Scheme, SimdLevel};
+use relume::{Bounces, Component, ComponentError, PixelLimit, Scheme, SimdLevel};
 
 /// Relight OBJ scenes on a CPU, with bounced light.
 #[derive(Debug, Parser)]
@@ -93,6 +93,16 @@ pub(super) struct Diff {
     /// or pixels, both must hold.
     #[arg(long, value_name = "X", value_parser = parse_limit, allow_negative_numbers = true)]
     pub(super) max_flip: Option<f64>,
+    /// Grey picture of the same size: a pixel of level g may differ by g levels
+    /// of 255, a white one is ignored.
+    #[arg(long, value_name = "FILE.png")]
+    pub(super) mask: Option<PathBuf>,
+    /// Write reference, difference and candidate side by side.
+    #[arg(long, value_name = "FILE.png")]
+    pub(super) strip: Option<PathBuf>,
+    /// Write FLIP by pixel as colours, with a legend.
+    #[arg(long, value_name = "FILE.png")]
+    pub(super) heatmap: Option<PathBuf>,
     #[command(flatten)]
     pub(super) run: Run,
 }
@@ -200,14 +210,6 @@ pub(super) struct Run {
 /// Width and height, pixels.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Size(pub(super) [u32; 2]);
-
-/// How many pixels may differ.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum PixelLimit {
-    Count(u64),
-    /// Share of all pixels, 0 to 1.
-    Share(f64),
-}
 
 /// Longest side of a picture, pixels.
 const LARGEST_SIDE: u32 = 16_384;

@@ -3,7 +3,7 @@
 use std::error::Error;
 
 use relume::measure::{MeasureError, NoLocalLight};
-use relume::{BakeError, OutputError, RenderError, SceneError, SizeMismatch};
+use relume::{BakeError, JudgeError, OutputError, RenderError, SceneError};
 use thiserror::Error;
 
 use super::signals;
@@ -24,7 +24,7 @@ pub(super) enum CliError {
     #[error(transparent)]
     Measure(MeasureError),
     #[error(transparent)]
-    Sizes(#[from] SizeMismatch),
+    Judge(#[from] JudgeError),
     #[error("standard output could not be written; the files were")]
     StandardOutput(#[source] std::io::Error),
     #[error("{0}")]
@@ -57,11 +57,11 @@ impl CliError {
             | Self::Render(RenderError::Bake(BakeError::Cancelled)) => {
                 signals::exit_code().unwrap_or(1)
             }
-            Self::Sizes(_) => 1,
             Self::Scene(_)
             | Self::Render(_)
             | Self::Bake(_)
             | Self::NoLocalLight(_)
+            | Self::Judge(_)
             | Self::Measure(_)
             | Self::Usage(_) => 2,
         }

@@ -27,12 +27,12 @@ mod page;
 mod plot;
 mod png;
 
+pub use self::png::PngImage;
 pub use error::ReportError;
 pub use model::{
     Axis, Block, Cell, Column, Comparison, Fact, LabelledPicture, Mark, Picture, Plot, Report, Row,
     Scale, Section, Series, Style, Table,
 };
-pub use png::PngImage;
 
 /// One file of a report.
 #[derive(Debug, Clone, PartialEq, Eq)]
