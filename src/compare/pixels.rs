@@ -10,6 +10,8 @@ pub(super) struct PixelDifferences {
     pub(super) pixels: Vec<PixelDifference>,
     /// Pixels that are not ignored.
     pub(super) compared: u64,
+    /// The value of opaque alpha.
+    pub(super) opaque: f64,
     /// Whether either image has alpha.
     pub(super) has_alpha: bool,
 }
@@ -48,7 +50,8 @@ impl PixelDifferences {
         candidate: &ComparedImage,
         mask: Option<&Mask>,
     ) -> Self {
-        let level = f64::from(reference.white()) / 255.0;
+        let opaque = f64::from(reference.white());
+        let level = opaque / 255.0;
         let has_alpha = reference.alpha().is_some() || candidate.alpha().is_some();
         let colours = reference.pixels().values().pixels().iter();
         let colours = colours.zip(candidate.pixels().values().pixels());
@@ -72,6 +75,7 @@ impl PixelDifferences {
         Self {
             pixels,
             compared,
+            opaque,
             has_alpha,
         }
     }

@@ -1,7 +1,5 @@
 //! `expected | difference | actual`, side by side.
 
-use glam::Vec3;
-
 use super::{
     ComparedImage, Mask,
     pixels::{PixelDifference, PixelDifferences},
@@ -26,11 +24,12 @@ const MIDDLE_GREY: f64 = 0.18;
 /// One picture of the reference, the difference and the candidate, left to
 /// right at their own size.
 ///
-/// The difference is |candidate - reference| by channel, the largest of the
-/// picture shown as white, alpha as grey on top; violet is what is infinite or
-/// not a number, dark blue what the mask ignores. Linear values are shown through
-/// the filmic curve, both sides under the exposure that makes the reference's
-/// mean middle grey. Of images of two sizes, the difference stays empty.
+/// The difference is that of the shown levels by channel, the picture's largest
+/// as white, and any difference of the files as dark grey at least; alpha is grey
+/// on top; violet is what is infinite or not a number, dark blue what the mask
+/// ignores. Linear values are shown through the filmic curve, both sides under
+/// the exposure that makes the reference's mean middle grey. Of images of two
+/// sizes, the difference stays empty.
 pub fn strip(
     reference: &ComparedImage,
     candidate: &ComparedImage,
@@ -42,7 +41,8 @@ pub fn strip(
     let same_size = reference.size() == candidate.size();
     let mask = mask.filter(|mask| mask.size() == reference.size());
     let difference = if same_size {
-        difference(reference, candidate, mask)
+        let differences = PixelDifferences::of(reference, candidate, mask);
+        difference(&differences, &expected, &actual)
     } else {
         BACKGROUND.repeat(width as usize * height as usize)
     };
@@ -79,39 +79,47 @@ fn gain_of(pixels: &LoadedImage) -> f32 {
     (MIDDLE_GREY * f64::from(count) / sum) as f32
 }
 
-fn difference(
-    reference: &ComparedImage,
-    candidate: &ComparedImage,
-    mask: Option<&Mask>,
-) -> Vec<u8> {
-    let differences = PixelDifferences::of(reference, candidate, mask);
-    let finite = differences.counted().map(|pixel| pixel.largest);
-    let largest = finite
-        .filter(|largest| largest.is_finite())
-        .fold(0.0, f64::max);
-    let level = |apart: f64| {
-        if apart > 0.0 {
-            (LEAST_LEVEL + (255.0 - LEAST_LEVEL) * apart / largest).min(255.0) as u8
-        } else {
-            0
-        }
-    };
-    let expected = reference.pixels().values().pixels().iter();
-    let both = expected.zip(candidate.pixels().values().pixels());
-    let pixels = differences.pixels.iter().zip(both);
-    let colour = |pixel: &PixelDifference, expected: Vec3, actual: Vec3| {
-        if pixel.ignored {
-            return IGNORED;
-        }
-        if pixel.largest.is_infinite() {
-            return NOT_FINITE;
-        }
-        let channels = (actual.as_dvec3() - expected.as_dvec3()).abs().to_array();
-        channels.map(|channel| level(channel).max(level(pixel.alpha)))
-    };
+/// Levels of the difference of two images of one size, from the levels that are
+/// shown of them.
+fn difference(differences: &PixelDifferences, expected: &[u8], actual: &[u8]) -> Vec<u8> {
+    let (expected, _) = expected.as_chunks::<3>();
+    let (actual, _) = actual.as_chunks::<3>();
+    let apart: Vec<[u8; 3]> = expected
+        .iter()
+        .zip(actual)
+        .map(|(a, b)| std::array::from_fn(|channel| a[channel].abs_diff(b[channel])))
+        .collect();
+    let counted = apart.iter().zip(&differences.pixels);
+    let counted = counted.filter(|(_, pixel)| !pixel.ignored && pixel.largest.is_finite());
+    let largest = counted.flat_map(|(apart, _)| *apart).fold(1, u8::max);
+    let pixels = differences.pixels.iter().zip(&apart);
     pixels
-        .flat_map(|(pixel, (&expected, &actual))| colour(pixel, expected, actual))
+        .flat_map(|(pixel, apart)| colour(pixel, *apart, largest, differences.opaque))
         .collect()
+}
+
+/// The colour of one pixel's difference of shown levels, in a picture whose
+/// largest is `largest`.
+fn colour(pixel: &PixelDifference, apart: [u8; 3], largest: u8, opaque: f64) -> [u8; 3] {
+    if pixel.ignored {
+        return IGNORED;
+    }
+    if pixel.largest.is_infinite() {
+        return NOT_FINITE;
+    }
+    let level = |share: f64| LEAST_LEVEL + (255.0 - LEAST_LEVEL) * share.min(1.0);
+    let least = if pixel.alpha > 0.0 {
+        level(pixel.alpha / opaque) as u8
+    } else if pixel.largest > 0.0 && apart == [0; 3] {
+        // Too small to show, and still a difference.
+        LEAST_LEVEL as u8
+    } else {
+        0
+    };
+    apart.map(|apart| match apart {
+        0 => least,
+        _ => (level(f64::from(apart) / f64::from(largest)) as u8).max(least),
+    })
 }
 
 /// Panels of a size and their levels, aligned at the top.

@@ -18,12 +18,15 @@ const MARGIN: f32 = 14.0;
 const BAR: [f32; 2] = [8.0, 12.0];
 /// Length of a tick below the bar, pixels.
 const TICK: f32 = 4.0;
-/// Parts of the bar between ticks.
+/// Parts of the bar between ticks. On a map of the least width the numbers of
+/// all ticks would touch.
 const TICKS: u32 = 4;
 /// Pixels a unit of the letters' grid.
 const LETTER_UNIT: f32 = 1.5;
 /// Width of letters and ticks, pixels.
 const LINE_WIDTH: f32 = 1.25;
+/// What the colours stand for.
+const NAME: &str = "FLIP";
 /// Behind the legend, and its letters.
 const BACKGROUND: [u8; 3] = [24, 24, 27];
 const INK: [u8; 3] = [228, 228, 231];
@@ -55,18 +58,21 @@ fn legend(scale: &HeatScale, width: u32) -> Vec<u8> {
     let mut pixels =
         Pixmap::new(width, LEGEND_HEIGHT).expect("a map has pixels, and at most 16,384 across");
     pixels.fill(color(BACKGROUND));
-    let bar_width = width as f32 - 2.0 * MARGIN;
     let [top, height] = BAR;
+    let name = glyphs::lines(NAME, MARGIN, top + 1.0, LETTER_UNIT);
+    draw(&mut pixels, name);
+    let left = (2.0 * MARGIN + glyphs::width(NAME, LETTER_UNIT)).ceil();
+    let bar_width = width as f32 - MARGIN - left;
     for step in 0..bar_width as u32 {
         let value = scale.top() * f64::from(step) / f64::from(bar_width - 1.0);
-        let column = Rect::from_xywh(MARGIN + step as f32, top, 1.0, height);
+        let column = Rect::from_xywh(left + step as f32, top, 1.0, height);
         if let Some(column) = column {
             let paint = paint(scale.colour(value));
             pixels.fill_rect(column, &paint, Transform::identity(), None);
         }
     }
     for tick in 0..=TICKS {
-        draw_tick(&mut pixels, scale, tick, bar_width);
+        draw_tick(&mut pixels, scale, tick, [left, bar_width]);
     }
     let opaque = pixels.pixels().iter();
     opaque
@@ -74,32 +80,28 @@ fn legend(scale: &HeatScale, width: u32) -> Vec<u8> {
         .collect()
 }
 
-/// A tick with its number; the first is named too.
-fn draw_tick(pixels: &mut Pixmap, scale: &HeatScale, tick: u32, bar_width: f32) {
-    let share = tick as f32 / TICKS as f32;
-    let x = MARGIN + share * bar_width;
+/// A tick, every other one with its number, below a bar that begins at `left`.
+fn draw_tick(pixels: &mut Pixmap, scale: &HeatScale, tick: u32, [left, bar_width]: [f32; 2]) {
+    let x = left + tick as f32 / TICKS as f32 * bar_width;
     let bottom = BAR[0] + BAR[1];
     let mut line = PathBuilder::new();
     line.move_to(x, bottom);
     line.line_to(x, bottom + TICK);
     draw(pixels, line.finish());
+    if !tick.is_multiple_of(2) {
+        return;
+    }
     let number = number(scale.top() * f64::from(tick) / f64::from(TICKS));
-    let text = if tick == 0 {
-        format!("{number} FLIP")
+    let number_width = glyphs::width(&number, LETTER_UNIT);
+    let number_left = if tick == TICKS {
+        x - number_width
     } else {
-        number
+        x - 0.5 * number_width
     };
-    let text_width = glyphs::width(&text, LETTER_UNIT);
-    let left = if tick == 0 {
-        MARGIN
-    } else if tick == TICKS {
-        x - text_width
-    } else {
-        x - 0.5 * text_width
-    };
+    let top = bottom + TICK + 3.0;
     draw(
         pixels,
-        glyphs::lines(&text, left, bottom + TICK + 3.0, LETTER_UNIT),
+        glyphs::lines(&number, number_left, top, LETTER_UNIT),
     );
 }
 

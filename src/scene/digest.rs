@@ -167,3 +167,35 @@ impl Words {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::sample_scenes;
+
+    #[test]
+    fn a_digest_sees_what_it_is_of_and_no_names() {
+        let mut scene = sample_scenes::cube_room(2.0, 1.0, 16);
+        scene.lights = vec![sample_scenes::constant_sky(1.0)];
+        let before = SceneDigests::of(&scene);
+        let mut changed = scene.clone();
+        changed.materials[0].name = "renamed".to_owned();
+        changed.materials[0].albedo.x += 0.01;
+        changed
+            .lights
+            .iter_mut()
+            .for_each(|light| light.name = "renamed".to_owned());
+        let after = SceneDigests::of(&changed);
+        assert_eq!(before.geometry, after.geometry);
+        assert_ne!(before.materials, after.materials);
+        assert_eq!(before.lights, after.lights);
+        assert_ne!(before.scene, after.scene);
+        changed.materials = scene.materials.clone();
+        changed.materials[0].name = "renamed".to_owned();
+        assert_eq!(SceneDigests::of(&changed), before);
+        changed.lights = vec![sample_scenes::constant_sky(1.5)];
+        assert_ne!(SceneDigests::of(&changed).lights, before.lights);
+        changed.mesh.positions[0].x += 0.5;
+        assert_ne!(SceneDigests::of(&changed).geometry, before.geometry);
+    }
+}
