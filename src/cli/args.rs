@@ -22,7 +22,8 @@ pub(super) enum Command {
     /// Say what a scene asks for and what it will cost; bakes nothing.
     Info(Info),
     /// Compare two images; exit code 1 if they differ by more than the limits
-    /// that are given, or at all if none is.
+    /// that are given, or at all if none is. Alpha is compared where either file
+    /// has it.
     Diff(Diff),
     /// Path-trace a scene: slow, and the truth to compare frames with.
     Reference(Reference),

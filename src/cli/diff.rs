@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use relume::{
-    ComparedImage, Figure, Judgement, Limits, Mask, Measured, MetadataDifference, heat_map, judge,
-    read_compared, read_image, strip, write_png,
+    Figure, Judgement, Limits, Mask, Measured, MetadataDifference, heat_map, judge, read_compared,
+    read_image, strip, write_png,
 };
 use serde_json::{Map, Value, json};
 
@@ -25,7 +25,7 @@ pub(super) fn execute(arguments: &Diff) -> Result<Report, CliError> {
     };
     let pool = thread_pool(&arguments.run)?;
     let judgement = pool.install(|| judge(&reference, &candidate, &limits, mask.as_ref()))?;
-    let mut text = text(&judgement);
+    let mut text = judgement_text(&judgement);
     if let Some(path) = &arguments.strip {
         write_png(path, &strip(&reference, &candidate, mask.as_ref()))?;
     }
@@ -35,10 +35,14 @@ pub(super) fn execute(arguments: &Diff) -> Result<Report, CliError> {
             None => text.push_str("\nno heat map of images of two sizes"),
         }
     }
-    let metadata = metadata_differences(&reference, &candidate, &judgement);
+    let metadata = if judgement.is_equal() {
+        Vec::new()
+    } else {
+        reference.metadata_differences(&candidate)
+    };
     text.push_str(&metadata_text(&metadata));
     Ok(Report {
-        json: json(&judgement, &metadata),
+        json: judgement_json(&judgement, &metadata),
         text,
         exit_code: u8::from(!judgement.passes()),
     })
@@ -66,24 +70,8 @@ fn read_mask(path: &Path) -> Result<Mask, CliError> {
     Mask::of_image(&image).map_err(|error| CliError::Usage(format!("{}: {error}", path.display())))
 }
 
-/// What the files say of themselves matters where their pixels differ; a file
-/// of another program says nothing.
-fn metadata_differences(
-    reference: &ComparedImage,
-    candidate: &ComparedImage,
-    judgement: &Judgement,
-) -> Vec<MetadataDifference> {
-    let same = judgement
-        .measured()
-        .is_some_and(|measured| measured.figures.differing_pixels == 0);
-    let (reference, candidate) = (reference.metadata(), candidate.metadata());
-    if same || reference.is_empty() || candidate.is_empty() {
-        return Vec::new();
-    }
-    reference.differences(candidate)
-}
-
-fn json(judgement: &Judgement, metadata: &[MetadataDifference]) -> Value {
+/// A judgement as an object of a report.
+pub(super) fn judgement_json(judgement: &Judgement, metadata: &[MetadataDifference]) -> Value {
     let mut object = Map::new();
     object.insert("passes".to_owned(), json!(judgement.passes()));
     match judgement {
@@ -128,7 +116,8 @@ fn add_measured(object: &mut Map<String, Value>, measured: &Measured) {
     );
 }
 
-fn text(judgement: &Judgement) -> String {
+/// A judgement as lines for a person.
+pub(super) fn judgement_text(judgement: &Judgement) -> String {
     let measured = match judgement {
         Judgement::OfOtherSize(mismatch) => return format!("different: {mismatch}"),
         Judgement::Measured(measured) => measured,
@@ -136,7 +125,7 @@ fn text(judgement: &Judgement) -> String {
     let figures = &measured.figures;
     let verdict = if !judgement.passes() {
         "different"
-    } else if figures.differing_pixels == 0 {
+    } else if judgement.is_equal() {
         "same"
     } else {
         "same within the limits"
@@ -152,7 +141,8 @@ fn text(judgement: &Judgement) -> String {
     text
 }
 
-fn metadata_text(differences: &[MetadataDifference]) -> String {
+/// Both sides' values as lines to go behind a judgement's; empty for none.
+pub(super) fn metadata_text(differences: &[MetadataDifference]) -> String {
     if differences.is_empty() {
         return String::new();
     }

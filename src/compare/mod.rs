@@ -95,6 +95,12 @@ impl Judgement {
         }
     }
 
+    /// Whether no pixel differs that counts.
+    pub fn is_equal(&self) -> bool {
+        self.measured()
+            .is_some_and(|measured| measured.figures.differing_pixels == 0)
+    }
+
     /// The figures, if the sizes agree.
     pub fn measured(&self) -> Option<&Measured> {
         match self {

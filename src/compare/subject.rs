@@ -1,6 +1,8 @@
 //! One side of a comparison.
 
-use crate::frame::{EncodedImage, Image, ImageSizeError, LoadedImage, Metadata};
+use crate::frame::{
+    EncodedImage, Image, ImageSizeError, LoadedImage, Metadata, MetadataDifference,
+};
 
 /// An image with all that a comparison looks at: what a file holds, or a
 /// picture in memory.
@@ -76,6 +78,15 @@ impl ComparedImage {
     /// What the file says of how the image was made.
     pub fn metadata(&self) -> &Metadata {
         &self.metadata
+    }
+
+    /// In what a candidate says of itself otherwise than this reference; nothing
+    /// where one of them says nothing, as files of other programs do.
+    pub fn metadata_differences(&self, candidate: &Self) -> Vec<MetadataDifference> {
+        if self.metadata.is_empty() || candidate.metadata.is_empty() {
+            return Vec::new();
+        }
+        self.metadata.differences(&candidate.metadata)
     }
 
     /// Width and height, pixels.

@@ -65,6 +65,9 @@ fn decode(bytes: &[u8]) -> Result<ComparedImage, CodecError> {
     let is_deep = color.bytes_per_pixel() > color.channel_count();
     let (width, height) = decoder.dimensions();
     let image = DynamicImage::from_decoder(decoder)?;
+    if !is_whole(bytes) {
+        return Err("the file ends before its last chunk".into());
+    }
     let pixels: Vec<[f32; 4]> = if is_deep {
         let level = |level: u16| f32::from(level) / SIXTEEN_BIT_LEVELS;
         let levels = image.into_rgba16();
@@ -80,6 +83,27 @@ fn decode(bytes: &[u8]) -> Result<ComparedImage, CodecError> {
         return Ok(image.with_alpha(pixels.iter().map(|rgba| rgba[3]).collect())?);
     }
     Ok(image)
+}
+
+/// Whether the chunks go on to the last one: the decoder is content once it has
+/// all pixels, and would not see that their checksum is cut off.
+fn is_whole(bytes: &[u8]) -> bool {
+    /// Signature of the format.
+    const START: usize = 8;
+    /// Length, name and checksum of a chunk.
+    const AROUND: usize = 12;
+    let mut rest = bytes.get(START..).unwrap_or_default();
+    while let Some((length, chunk)) = rest.split_first_chunk::<4>() {
+        let is_last = chunk.starts_with(b"IEND");
+        let Some(next) = rest.get(AROUND + u32::from_be_bytes(*length) as usize..) else {
+            return false;
+        };
+        if is_last {
+            return true;
+        }
+        rest = next;
+    }
+    false
 }
 
 /// relume's own text chunks, before the pixels; those of other programs, which

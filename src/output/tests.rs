@@ -259,3 +259,31 @@ fn a_heat_map_is_the_map_over_a_legend() {
     let has = |colour: [u8; 3]| legend.as_chunks::<3>().0.contains(&colour);
     assert!(has(scale.colour(0.0)) && has(scale.colour(scale.top())));
 }
+
+#[test]
+fn damaged_files_are_errors_or_images_and_never_more() {
+    let folder = tempfile::tempdir().unwrap();
+    let linear = gradient();
+    let encoded = Development::Color.develop(&linear);
+    let frame = Picture {
+        linear: &linear,
+        encoded: &encoded,
+    };
+    for name in ["damaged.png", "damaged.exr"] {
+        let path = folder.path().join(name);
+        write_described(&path, frame, &metadata()).unwrap();
+        let whole = fs::read(&path).unwrap();
+        let decode = format_of(&path).unwrap().decode;
+        for length in (0..whole.len() - 1).step_by(3) {
+            assert!(decode(&whole[..length]).is_err(), "{name}: {length} bytes");
+        }
+        for place in 0..whole.len() {
+            for bits in [0x01, 0x80, 0xff] {
+                let mut damaged = whole.clone();
+                damaged[place] ^= bits;
+                // Some damage is to a name or a value, and leaves an image.
+                let _ = decode(&damaged);
+            }
+        }
+    }
+}
