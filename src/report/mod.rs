@@ -72,8 +72,8 @@ fn files_of(block: &Block) -> Vec<ReportFile> {
         ],
         Block::Picture(picture) => vec![png_file(&picture.name, &picture.image)],
         Block::Comparison(comparison) => comparison
-            .pictures()
-            .map(|(side, picture)| png_file(&comparison.file_name(side), &picture.image))
+            .named_images()
+            .map(|(name, image)| png_file(&name, image))
             .collect(),
     }
 }

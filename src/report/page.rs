@@ -198,10 +198,11 @@ fn draw_picture(picture: &Picture) -> Markup {
 /// style alone which of them stand where.
 fn draw_comparison(comparison: &Comparison) -> Markup {
     let name = &comparison.name;
-    let path = |side| picture_path(&comparison.file_name(side));
-    let links: Vec<(&str, String)> = comparison
-        .pictures()
-        .map(|(side, picture)| (picture.label.as_str(), path(side)))
+    let labels = comparison.pictures().map(|(_, it)| it.label.as_str());
+    let files_named = comparison.named_images();
+    let links: Vec<(&str, String)> = labels
+        .chain(comparison.strip.iter().map(|_| "Strip"))
+        .zip(files_named.map(|(name, _)| picture_path(&name)))
         .collect();
     let button = |view: &'static str, label: &str| {
         html! {
@@ -217,8 +218,9 @@ fn draw_comparison(comparison: &Comparison) -> Markup {
                 legend { "View" }
                 (button("all", "Side by side"))
                 span .script-only { (button("slider", "Slider")) }
+                (button("blink", "Blink"))
                 @for (side, picture) in comparison.pictures() { (button(side, &picture.label)) }
-                span .script-only .hint { "S swaps" }
+                span .script-only .hint { "S swaps, N next, P previous" }
             }
             div .stage {
                 @for (side, picture) in comparison.pictures() { (draw_side(side, picture)) }
