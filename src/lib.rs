@@ -19,6 +19,7 @@
 //! | `relight` | direct light, bounces, rasterizer, shading |
 //! | `reference` | path tracer: the truth that everything is measured against |
 //! | `output` | PNG and EXR files, heat maps, folders of files |
+//! | `golden` | scenes and frames held against golden images, and the report on it |
 //! | `measure` | how long frames take, and how wrong they are for it |
 //!
 //! ```no_run
@@ -35,6 +36,7 @@
 mod bake;
 mod compare;
 mod frame;
+pub mod golden;
 mod maths;
 pub mod measure;
 mod output;
@@ -59,8 +61,8 @@ pub use frame::{
     MetadataDifference, PIXELS_PER_DEGREE, SizeMismatch, compare, flip, hdr_flip,
 };
 pub use output::{
-    OutputError, Picture, PictureMetadata, check_format, encode_png, heat_map, read_compared,
-    read_image, write_described, write_folder, write_picture, write_png,
+    OutputError, Picture, PictureMetadata, check_format, encode_described, encode_png, heat_map,
+    read_compared, read_image, write_described, write_file, write_folder, write_picture, write_png,
 };
 pub use relight::{
     BakeFigures, BasisFunction, BasisFunctionError, BounceError, COMPONENTS, Component,

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use super::golden::Golden;
 use clap::{Args, Parser, Subcommand};
 use relume::{Bounces, Component, ComponentError, PixelLimit, Scheme, SimdLevel};
 
@@ -25,6 +26,9 @@ pub(super) enum Command {
     /// that are given, or at all if none is. Alpha is compared where either file
     /// has it.
     Diff(Diff),
+    /// Hold scenes against their golden images, or make their frames the goldens.
+    #[command(subcommand)]
+    Golden(Golden),
     /// Path-trace a scene: slow, and the truth to compare frames with.
     Reference(Reference),
     /// Measure speed against error and write a report; or time relighting.
@@ -38,6 +42,7 @@ impl Command {
             Self::Bake(arguments) => &arguments.scene.run,
             Self::Info(arguments) => &arguments.scene.run,
             Self::Diff(arguments) => &arguments.run,
+            Self::Golden(arguments) => &arguments.suite().run,
             Self::Reference(arguments) => &arguments.scene.run,
             Self::Measure(arguments) => &arguments.scene.run,
         }
@@ -224,7 +229,7 @@ const MOST_FRAMES: i64 = 100_000;
 /// Most bounces by number, as in the scene file.
 const MOST_BOUNCES: u32 = 10_000;
 
-fn parse_size(text: &str) -> Result<Size, String> {
+pub(super) fn parse_size(text: &str) -> Result<Size, String> {
     let problem = || format!("a size is WxH with 1 to {LARGEST_SIDE} pixels each, such as 320x240");
     let (width, height) = text.split_once(['x', 'X']).ok_or_else(problem)?;
     let side = |s: &str| {

@@ -2,6 +2,7 @@
 
 use std::error::Error;
 
+use relume::golden::{FindError, PageError};
 use relume::measure::{MeasureError, NoLocalLight};
 use relume::{BakeError, JudgeError, OutputError, RenderError, SceneError};
 use thiserror::Error;
@@ -25,12 +26,25 @@ pub(super) enum CliError {
     Measure(MeasureError),
     #[error(transparent)]
     Judge(#[from] JudgeError),
+    #[error(transparent)]
+    Find(#[from] FindError),
+    #[error(transparent)]
+    Page(PageError),
     #[error("standard output could not be written; the files were")]
     StandardOutput(#[source] std::io::Error),
     #[error("{0}")]
     Usage(String),
     #[error("stopped; nothing was written")]
     Stopped,
+}
+
+impl From<PageError> for CliError {
+    fn from(error: PageError) -> Self {
+        match error {
+            PageError::Output(error) => error.into(),
+            error @ PageError::Report(_) => Self::Page(error),
+        }
+    }
 }
 
 impl From<MeasureError> for CliError {
@@ -50,7 +64,7 @@ impl CliError {
         match self {
             Self::Scene(error) if error.is_io() => 3,
             Self::Output(OutputError::UnknownFormat(_)) => 2,
-            Self::Output(_) | Self::StandardOutput(_) => 3,
+            Self::Output(_) | Self::Find(_) | Self::StandardOutput(_) => 3,
             Self::Stopped
             | Self::Render(RenderError::Cancelled)
             | Self::Bake(BakeError::Cancelled)
@@ -63,6 +77,7 @@ impl CliError {
             | Self::NoLocalLight(_)
             | Self::Judge(_)
             | Self::Measure(_)
+            | Self::Page(_)
             | Self::Usage(_) => 2,
         }
     }

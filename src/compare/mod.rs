@@ -34,6 +34,7 @@ pub use heat::HeatScale;
 pub use limits::{Failure, Limits};
 pub use mask::{Mask, MaskError};
 pub use passing::PassingLimits;
+pub(crate) use strip::shown;
 pub use strip::strip;
 pub use subject::ComparedImage;
 

@@ -35,8 +35,7 @@ pub fn strip(
     candidate: &ComparedImage,
     mask: Option<&Mask>,
 ) -> EncodedImage {
-    let gain = gain_of(reference.pixels());
-    let [expected, actual] = [reference, candidate].map(|image| shown(image.pixels(), gain));
+    let [expected, actual] = shown(reference, candidate).map(|levels| levels.bytes().to_vec());
     let [width, height] = reference.size();
     let same_size = reference.size() == candidate.size();
     let mask = mask.filter(|mask| mask.size() == reference.size());
@@ -53,17 +52,22 @@ pub fn strip(
     ])
 }
 
-/// Levels of an image as a screen shows them.
-fn shown(pixels: &LoadedImage, gain: f32) -> Vec<u8> {
-    let levels = match pixels {
+/// The levels of both images as a screen shows them; linear values as in
+/// [`strip`].
+pub(crate) fn shown(reference: &ComparedImage, candidate: &ComparedImage) -> [EncodedImage; 2] {
+    let gain = gain_of(reference.pixels());
+    [reference, candidate].map(|image| levels_of(image.pixels(), gain))
+}
+
+fn levels_of(pixels: &LoadedImage, gain: f32) -> EncodedImage {
+    match pixels {
         LoadedImage::Levels(levels) => Development::Plain.develop(&levels.map(|rgb| rgb / 255.0)),
         LoadedImage::Linear(image) => Development::Radiance {
             exposure: 0.0,
             tone: Tone::Filmic,
         }
         .develop(&image.map(|rgb| rgb * gain)),
-    };
-    levels.bytes().to_vec()
+    }
 }
 
 /// What brings the mean of the reference's lit, finite values to middle grey.

@@ -26,11 +26,7 @@ impl EncodedImage {
     ///
     /// # Errors
     /// If a side is 0 or the number of bytes is not `3 * width * height`.
-    pub(crate) fn of_bytes(
-        width: u32,
-        height: u32,
-        bytes: Vec<u8>,
-    ) -> Result<Self, ImageSizeError> {
+    pub fn of_bytes(width: u32, height: u32, bytes: Vec<u8>) -> Result<Self, ImageSizeError> {
         let wanted = 3 * u64::from(width) * u64::from(height);
         if wanted == 0 || bytes.len() as u64 != wanted {
             return Err(ImageSizeError {

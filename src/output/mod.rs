@@ -141,6 +141,22 @@ pub fn write_described(
     write_bytes(path, bytes)
 }
 
+/// The bytes that [`write_described`] would write to `path`.
+///
+/// # Errors
+/// If the extension is unknown or the picture does not fit the format.
+pub fn encode_described(
+    path: &Path,
+    frame: Picture<'_>,
+    metadata: &PictureMetadata,
+) -> Result<Vec<u8>, OutputError> {
+    let encode = format_of(path)?.encode;
+    encode(frame, metadata).map_err(|source| OutputError::Encode {
+        path: path.to_owned(),
+        source,
+    })
+}
+
 /// Writes levels as a PNG, whatever the path's extension.
 ///
 /// # Errors
@@ -207,12 +223,25 @@ pub fn write_folder(folder: &Path, files: &[ReportFile]) -> Result<(), OutputErr
         if !is_inside {
             return Err(OutputError::OutsideFolder(path));
         }
-        let above = path.parent().unwrap_or(folder);
-        std::fs::create_dir_all(above)
-            .and_then(|()| write_whole(&path, &file.bytes))
-            .map_err(|source| OutputError::Write { path, source })?;
+        write_file(&path, &file.bytes)?;
     }
     Ok(())
+}
+
+/// Writes a file, whole or not at all, into a folder that is made if it is
+/// missing.
+///
+/// # Errors
+/// If the folder or the file cannot be written.
+pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), OutputError> {
+    let folder = path.parent().filter(|it| !it.as_os_str().is_empty());
+    folder
+        .map_or(Ok(()), std::fs::create_dir_all)
+        .and_then(|()| write_whole(path, bytes))
+        .map_err(|source| OutputError::Write {
+            path: path.to_owned(),
+            source,
+        })
 }
 
 fn format_of(path: &Path) -> Result<&'static Format, OutputError> {
