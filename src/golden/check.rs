@@ -1,6 +1,6 @@
 //! One scene: drawn, and held against its golden.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::Instant;
 
 use super::error::CheckError;
@@ -348,26 +348,23 @@ impl Verdict {
     }
 }
 
-/// A name for each scene by which reports call its files: a slug of its path,
-/// with a number where two would be the same.
-pub fn names_of(checked: &[Checked]) -> Vec<String> {
-    let mut names: Vec<String> = Vec::new();
-    for (index, one) in checked.iter().enumerate() {
-        let name = slug(&one.scene.scene().with_extension(""));
-        let name = if names.contains(&name) || name.is_empty() {
-            format!("scene-{}-{name}", index + 1)
-                .trim_end_matches('-')
-                .to_owned()
-        } else {
-            name
-        };
-        names.push(name);
-    }
-    names
+/// A slug for each scene that fails, by which the report calls its pictures: its
+/// number among them and its path. `None` for those that pass.
+pub fn picture_names(checked: &[Checked]) -> Vec<Option<String>> {
+    let mut failed = 0;
+    let names = checked.iter().map(|one| {
+        if one.passes() {
+            return None;
+        }
+        failed += 1;
+        let path = slug(&one.scene.scene().with_extension(""));
+        Some(format!("{failed}-{path}").trim_end_matches('-').to_owned())
+    });
+    names.collect()
 }
 
 /// The last letters and digits of a path, in words with hyphens between them.
-fn slug(path: &PathBuf) -> String {
+fn slug(path: &Path) -> String {
     /// Leaves room for a number and the file's word in a report's 80.
     const LONGEST: usize = 50;
     let text = path.to_string_lossy().to_lowercase();

@@ -160,8 +160,8 @@ fn scenes_of(image: &Path) -> Vec<PathBuf> {
 /// Whether a file has an extension of goldens, and `end` before it.
 fn is_image_called(file: &Path, end: &str) -> bool {
     let stem = file.file_stem().unwrap_or_default().as_encoded_bytes();
-    let is_image = |known: &&str| file.extension().is_some_and(|it| it == *known);
-    stem.ends_with(end.as_bytes()) && EXTENSIONS.iter().any(|known| is_image(&known))
+    let is_image = |known: &str| file.extension().is_some_and(|it| it == known);
+    stem.ends_with(end.as_bytes()) && EXTENSIONS.iter().any(|known| is_image(known))
 }
 
 /// Whether a line above the first section of a TOML text sets `mesh`. The text

@@ -72,7 +72,7 @@ mod junit;
 mod page;
 mod place;
 
-pub use check::{Checked, DrawSettings, Drawn, Pictures, Stopped, Verdict, names_of};
+pub use check::{Checked, DrawSettings, Drawn, Pictures, Stopped, Verdict, picture_names};
 pub use error::{CheckError, GoldenError};
 pub use expect::{BLESS_VARIABLE, Expected, check_scene};
 pub use fault::FrameFault;

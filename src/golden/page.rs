@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use super::check::{is_linear, names_of};
+use super::check::{is_linear, picture_names};
 use super::{Checked, Pictures, Verdict};
 use crate::compare::Judgement;
 use crate::frame::EncodedImage;
@@ -35,8 +35,11 @@ pub fn report_files(
     checked: &[Checked],
     without_scene: &[PathBuf],
 ) -> Result<Vec<ReportFile>, PageError> {
-    let names = names_of(checked);
-    let failed = || checked.iter().zip(&names).filter(|(one, _)| !one.passes());
+    let names = picture_names(checked);
+    let failed = || {
+        let named = checked.iter().zip(&names);
+        named.filter_map(|(one, name)| Some((one, name.as_deref()?)))
+    };
     let mut sections = Vec::new();
     for (one, name) in failed() {
         sections.push(failure(one, name)?);
@@ -139,7 +142,7 @@ fn section(
     paragraphs.push(format!("Golden: {}", checked.scene.golden().display()));
     Section {
         heading: checked.scene.scene().display().to_string(),
-        anchor: name.to_owned(),
+        anchor: format!("failure-{name}"),
         paragraphs,
         blocks,
     }
@@ -159,7 +162,7 @@ fn look(pictures: &Pictures, name: &str) -> Result<Block, PageError> {
     let heat_map = heat_map.map(|it| labelled("Heat map", "FLIP by pixel", it));
     let strip = pictures.strip.as_ref().map(png);
     Ok(Block::Comparison(Comparison {
-        name: format!("{name}-frame"),
+        name: name.to_owned(),
         caption: String::new(),
         left: labelled("Expected", "the golden", expected)?,
         right: labelled("Actual", "the frame", &pictures.actual)?,

@@ -20,6 +20,9 @@ const SCRIPT: &str = include_str!("page.js");
 const POLICY: &str = "default-src 'none'; img-src data:; \
                       style-src 'unsafe-inline'; script-src 'unsafe-inline'";
 
+/// Pictures of a comparison that are less wide are shown larger, pixel by pixel.
+const LEAST_WIDTH: u32 = 320;
+
 /// The page.
 pub(super) fn write(report: &Report) -> String {
     let page = html! {
@@ -57,11 +60,16 @@ fn contents(report: &Report) -> Markup {
                     li { a href="#summary" { "Summary" } }
                 }
                 @for section in &report.sections {
-                    li { a href={ "#" (section.anchor) } { (section.heading) } }
+                    li { a href={ "#" (section.anchor) } { (breakable(&section.heading)) } }
                 }
             }
         }
     }
+}
+
+/// A text whose lines may break behind slashes, as those of paths should.
+fn breakable(text: &str) -> Markup {
+    html! { @for part in text.split_inclusive('/') { (part) @if part.ends_with('/') { wbr; } } }
 }
 
 fn summary(facts: &[Fact]) -> Markup {
@@ -213,7 +221,7 @@ fn draw_comparison(comparison: &Comparison) -> Markup {
         }
     };
     html! {
-        figure .comparison #(name) {
+        figure .comparison .small[comparison.left.image.width() < LEAST_WIDTH] #(name) {
             fieldset {
                 legend { "View" }
                 (button("all", "Side by side"))

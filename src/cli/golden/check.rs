@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use relume::golden::{Checked, Suite, Verdict, junit, report_files};
+use relume::golden::{Checked, Suite, Verdict, junit, picture_names, report_files};
 use relume::report::ReportFile;
 use relume::{OutputError, write_folder};
 use serde_json::Value;
@@ -82,6 +82,12 @@ fn write_report(
     let page = files.pop();
     let paths = files.iter().chain(&page).map(|file| file.path.as_str());
     json["files"] = paths.chain([SUMMARY]).collect();
+    for (index, name) in picture_names(checked).into_iter().enumerate() {
+        let start = name.map(|name| format!("pictures/{name}-"));
+        let paths = files.iter().map(|file| file.path.as_str());
+        let pictures = paths.filter(|path| start.as_ref().is_some_and(|it| path.starts_with(it)));
+        json["results"][index]["pictures"] = pictures.collect();
+    }
     files.push(ReportFile {
         path: SUMMARY.to_owned(),
         bytes: format!("{json:#}\n").into_bytes(),

@@ -80,3 +80,37 @@ fn faulty_frames_and_unreadable_goldens_fail() {
         "{error:?}"
     );
 }
+
+/// Folder of [`blessing`]'s golden, which it is given by the test below.
+const FOLDER: &str = "RELUME_TEST_FOLDER";
+
+#[test]
+#[ignore = "is run by the next test, in a process with the environment variable"]
+fn blessing() {
+    let Some(folder) = std::env::var_os(FOLDER).map(PathBuf::from) else {
+        return;
+    };
+    let expected = Expected::new(folder.join("golden/a.png"));
+    let blessed = expected.check_levels(&levels(1, 2)).unwrap_err();
+    assert!(
+        matches!(blessed, GoldenError::Blessed { .. }),
+        "{blessed:?}"
+    );
+    expected.check_levels(&levels(1, 2)).unwrap();
+    let black = expected.check_levels(&levels(0, 0)).unwrap_err();
+    assert!(matches!(black, GoldenError::Faulty { .. }), "{black:?}");
+    let masked = expected.masked_by(folder.join("absent.png"));
+    let error = masked.check_levels(&levels(1, 3)).unwrap_err();
+    assert!(matches!(error, GoldenError::Check(_)), "{error:?}");
+}
+
+#[test]
+fn the_environment_lets_goldens_be_written_and_fails() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut this = std::process::Command::new(std::env::current_exe().unwrap());
+    this.args(["--ignored", "--exact", "golden::expect::tests::blessing"]);
+    this.env(FOLDER, folder.path()).env(BLESS_VARIABLE, "1");
+    let output = this.output().unwrap();
+    assert!(output.status.success(), "{output:?}");
+    assert!(folder.path().join("golden/a.png").exists());
+}
