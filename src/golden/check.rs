@@ -4,10 +4,10 @@ use std::path::Path;
 use std::time::Instant;
 
 use super::error::CheckError;
-use super::{FrameFault, GoldenScene};
+use super::{FrameFault, GoldenScene, Verdict};
 use crate::bake::{BakeError, RunSettings};
-use crate::compare::{ComparedImage, Judgement, Limits, Mask, judge, shown, strip};
-use crate::frame::{EncodedImage, LoadedImage, MetadataDifference};
+use crate::compare::{ComparedImage, Limits, Mask, judge, shown, strip};
+use crate::frame::{EncodedImage, LoadedImage};
 use crate::output::{
     Picture, PictureMetadata, encode_described, heat_map, read_compared, read_image, write_file,
 };
@@ -41,28 +41,6 @@ pub struct Drawn {
     pub keys: GoldenKeys,
     /// What the scene and its bake warn of.
     pub warnings: Vec<String>,
-}
-
-/// What came of a scene.
-#[derive(Debug)]
-pub enum Verdict {
-    /// As near to the golden as its limits ask.
-    Passes(Judgement),
-    /// Not so near.
-    Differs {
-        /// How far.
-        judgement: Judgement,
-        /// In what the golden's file says of itself otherwise than the frame.
-        metadata: Vec<MetadataDifference>,
-    },
-    /// There is no golden.
-    Missing,
-    /// The frame is wrong by itself.
-    Faulty(FrameFault),
-    /// The golden cannot be read or compared with.
-    Golden(CheckError),
-    /// There is no frame.
-    Scene(CheckError),
 }
 
 /// A scene with its verdict.
@@ -306,73 +284,4 @@ impl Pictures {
             heat_map: measured.map(|it| heat_map(&it.flip_map)),
         }
     }
-}
-
-impl Verdict {
-    /// The word that stands for the verdict in reports.
-    pub fn name(&self) -> &'static str {
-        match self {
-            Self::Passes(_) => "passes",
-            Self::Differs { .. } => "differs",
-            Self::Missing => "missing",
-            Self::Faulty(fault) => fault.name(),
-            Self::Golden(_) => "golden-unusable",
-            Self::Scene(_) => "scene-unusable",
-        }
-    }
-
-    /// What is wrong and what to do, one sentence each; empty: nothing is.
-    pub fn problems(&self) -> Vec<String> {
-        match self {
-            Self::Passes(_) => Vec::new(),
-            Self::Differs { judgement, .. } => judgement.failures(),
-            Self::Missing => vec!["there is no golden; look at the frame and bless it".to_owned()],
-            Self::Faulty(fault) => vec![fault.to_string()],
-            Self::Golden(error) | Self::Scene(error) => vec![error.with_causes()],
-        }
-    }
-
-    /// Whether the frame may take the golden's place.
-    fn can_be_blessed(&self) -> bool {
-        match self {
-            Self::Differs { .. } | Self::Missing => true,
-            // A mistake with the mask is not the golden's.
-            Self::Golden(error) => error.is_of_golden(),
-            Self::Passes(_) | Self::Faulty(_) | Self::Scene(_) => false,
-        }
-    }
-
-    /// Whether nothing could be compared, in contrast to a comparison that failed.
-    pub fn is_error(&self) -> bool {
-        matches!(self, Self::Golden(_) | Self::Scene(_))
-    }
-}
-
-/// A slug for each scene that fails, by which the report calls its pictures: its
-/// number among them and its path. `None` for those that pass.
-pub fn picture_names(checked: &[Checked]) -> Vec<Option<String>> {
-    let mut failed = 0;
-    let names = checked.iter().map(|one| {
-        if one.passes() {
-            return None;
-        }
-        failed += 1;
-        let path = slug(&one.scene.scene().with_extension(""));
-        Some(format!("{failed}-{path}").trim_end_matches('-').to_owned())
-    });
-    names.collect()
-}
-
-/// The last letters and digits of a path, in words with hyphens between them.
-fn slug(path: &Path) -> String {
-    /// Leaves room for a number and the file's word in a report's 80.
-    const LONGEST: usize = 50;
-    let text = path.to_string_lossy().to_lowercase();
-    let words = text.split(|letter: char| !letter.is_ascii_alphanumeric());
-    let slug = words
-        .filter(|word| !word.is_empty())
-        .collect::<Vec<_>>()
-        .join("-");
-    let start = slug.len().saturating_sub(LONGEST);
-    slug[start..].trim_matches('-').to_owned()
 }

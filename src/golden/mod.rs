@@ -71,12 +71,14 @@ mod find;
 mod junit;
 mod page;
 mod place;
+mod verdict;
 
-pub use check::{Checked, DrawSettings, Drawn, Pictures, Stopped, Verdict, picture_names};
+pub use check::{Checked, DrawSettings, Drawn, Pictures, Stopped};
 pub use error::{CheckError, GoldenError};
 pub use expect::{BLESS_VARIABLE, Expected, check_scene};
 pub use fault::FrameFault;
 pub use find::{FindError, Suite, find};
 pub use junit::junit;
-pub use page::{PageError, report_files};
+pub use page::{PageError, picture_names, report_files};
 pub use place::GoldenScene;
+pub use verdict::Verdict;

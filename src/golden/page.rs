@@ -1,8 +1,8 @@
 //! The verdicts as a page to look at, with its loose pictures.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use super::check::{is_linear, picture_names};
+use super::check::is_linear;
 use super::{Checked, Pictures, Verdict};
 use crate::compare::Judgement;
 use crate::frame::EncodedImage;
@@ -65,6 +65,35 @@ pub fn report_files(
     files.extend(report.files()?);
     files.retain(|file| file.path != NOT_OF_THIS_REPORT);
     Ok(files)
+}
+
+/// A slug for each scene that fails, by which the report calls its pictures: its
+/// number among them and its path. `None` for those that pass.
+pub fn picture_names(checked: &[Checked]) -> Vec<Option<String>> {
+    let mut failed = 0;
+    let names = checked.iter().map(|one| {
+        if one.passes() {
+            return None;
+        }
+        failed += 1;
+        let path = slug(&one.scene.scene().with_extension(""));
+        Some(format!("{failed}-{path}").trim_end_matches('-').to_owned())
+    });
+    names.collect()
+}
+
+/// The last letters and digits of a path, in words with hyphens between them.
+fn slug(path: &Path) -> String {
+    /// Leaves room for a number and the file's word in a report's 80.
+    const LONGEST: usize = 50;
+    let text = path.to_string_lossy().to_lowercase();
+    let words = text.split(|letter: char| !letter.is_ascii_alphanumeric());
+    let slug = words
+        .filter(|word| !word.is_empty())
+        .collect::<Vec<_>>()
+        .join("-");
+    let start = slug.len().saturating_sub(LONGEST);
+    slug[start..].trim_matches('-').to_owned()
 }
 
 fn summary(checked: &[Checked], without_scene: &[PathBuf]) -> Vec<Fact> {

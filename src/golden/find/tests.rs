@@ -82,7 +82,7 @@ fn goldens_without_a_scene_are_found_where_the_scene_would_be() {
         "scenes/a/lost.golden.png",
     ];
     assert_eq!(found, expected);
-    let part = find(&[top.join("scenes/b/../a")]).unwrap();
+    let part = find(&[top.join("scenes/a/../a")]).unwrap();
     let mut found = strays(&top, &part);
     found.sort();
     assert_eq!(
