@@ -192,7 +192,7 @@ impl Checked {
     }
 
     fn of(scene: GoldenScene, drawn: Drawn) -> Self {
-        let (verdict, expected) = match verdict(&scene, &drawn) {
+        let (verdict, sides) = match verdict(&scene, &drawn) {
             Ok(found) => found,
             Err(error) => (Verdict::Golden(error), None),
         };
@@ -201,11 +201,7 @@ impl Checked {
             let golden = checked.scene.golden();
             let blessed = checked.verdict.can_be_blessed();
             checked.candidate = blessed.then(|| drawn.encode(golden).ok()).flatten();
-            checked.pictures = Some(Pictures::of(
-                &checked.verdict,
-                &drawn.as_in(golden),
-                expected,
-            ));
+            checked.pictures = Some(Pictures::of(&checked.verdict, &drawn.as_in(golden), sides));
         }
         checked.warnings = drawn.warnings;
         checked
@@ -231,15 +227,16 @@ impl Checked {
     }
 }
 
+/// A golden with its scene's mask.
+type Masked = (ComparedImage, Option<Mask>);
+
 /// Judges a frame; the golden is there too where it could be read.
-fn verdict(
-    scene: &GoldenScene,
-    drawn: &Drawn,
-) -> Result<(Verdict, Option<ComparedImage>), CheckError> {
+fn verdict(scene: &GoldenScene, drawn: &Drawn) -> Result<(Verdict, Option<Masked>), CheckError> {
     let golden = scene.golden();
     if let Some(fault) = drawn.fault(golden) {
         let expected = scene.has_golden().then(|| read_compared(golden).ok());
-        return Ok((Verdict::Faulty(fault), expected.flatten()));
+        let expected = expected.flatten().map(|it| (it, None));
+        return Ok((Verdict::Faulty(fault), expected));
     }
     if !scene.has_golden() {
         return Ok((Verdict::Missing, None));
@@ -257,13 +254,14 @@ fn verdict(
             metadata: expected.metadata_differences(&actual),
         }
     };
-    Ok((verdict, Some(expected)))
+    Ok((verdict, Some((expected, mask))))
 }
 
 impl Pictures {
-    fn of(verdict: &Verdict, actual: &ComparedImage, expected: Option<ComparedImage>) -> Self {
+    fn of(verdict: &Verdict, actual: &ComparedImage, expected: Option<Masked>) -> Self {
         let kind = |image: &ComparedImage| matches!(image.pixels(), LoadedImage::Levels(_));
-        let Some(expected) = expected.filter(|it| kind(it) == kind(actual)) else {
+        let of_kind = expected.filter(|(it, _)| kind(it) == kind(actual));
+        let Some((expected, mask)) = of_kind else {
             let [_, shown] = shown(actual, actual);
             return Self {
                 actual: shown,
@@ -280,7 +278,7 @@ impl Pictures {
         Self {
             actual: shown_actual,
             expected: Some(shown_expected),
-            strip: Some(strip(&expected, actual, None)),
+            strip: Some(strip(&expected, actual, mask.as_ref())),
             heat_map: measured.map(|it| heat_map(&it.flip_map)),
         }
     }

@@ -7,7 +7,7 @@ use super::error::{CheckError, GoldenError};
 use super::place::relative;
 use super::{DrawSettings, Drawn, FrameFault, GoldenScene};
 use crate::bake::RunSettings;
-use crate::compare::{ComparedImage, Judgement, Limits, judge, shown, strip};
+use crate::compare::{ComparedImage, Judgement, Limits, Mask, judge, shown, strip};
 use crate::frame::{EncodedImage, Image, LoadedImage};
 use crate::output::{
     Picture, PictureMetadata, encode_described, encode_png, read_compared, write_file,
@@ -164,7 +164,7 @@ impl Expected {
             return Err(GoldenError::Faulty { golden, fault });
         }
         let compared = golden.exists().then(|| self.judged(actual));
-        if let Some(Ok((judgement, _))) = &compared
+        if let Some(Ok((judgement, ..))) = &compared
             && judgement.passes()
         {
             return Ok(());
@@ -180,7 +180,7 @@ impl Expected {
             let actual = self.write(&levels, "actual")?;
             return Err(GoldenError::Missing { golden, actual });
         };
-        let (judgement, expected) = compared?;
+        let (judgement, expected, mask) = compared?;
         let passing = judgement
             .measured()
             .map(|it| it.passing.keys().join(", or "));
@@ -188,15 +188,18 @@ impl Expected {
             golden,
             failures: judgement.failures(),
             passing: passing.map_or("no limit".to_owned(), |keys| keys.replace('\n', " and ")),
-            strip: self.write(&strip(&expected, actual, None), "strip")?,
+            strip: self.write(&strip(&expected, actual, mask.as_ref()), "strip")?,
         })
     }
 
-    fn judged(&self, actual: &ComparedImage) -> Result<(Judgement, ComparedImage), CheckError> {
+    fn judged(
+        &self,
+        actual: &ComparedImage,
+    ) -> Result<(Judgement, ComparedImage, Option<Mask>), CheckError> {
         let mask = read_mask(self.mask.as_deref())?;
         let expected = read_compared(&self.golden)?;
         let judgement = judge(&expected, actual, &self.limits, mask.as_ref())?;
-        Ok((judgement, expected))
+        Ok((judgement, expected, mask))
     }
 
     /// Writes a picture whose name says which golden it belongs to.

@@ -250,7 +250,7 @@ fn row(checked: &Checked) -> Row {
         figures.map(|it| it.differing_pixels as f64).into(),
         figures.map(|it| it.max_channel_difference).into(),
         figures.map(|it| it.flip_mean).into(),
-        (checked.time_ms / 1e3).into(),
+        ((checked.time_ms / 10.0).round() / 100.0).into(),
     ];
     match checked.passes() {
         true => Row::plain(cells),

@@ -67,9 +67,10 @@ fn contents(report: &Report) -> Markup {
     }
 }
 
-/// A text whose lines may break behind slashes, as those of paths should.
-fn breakable(text: &str) -> Markup {
-    html! { @for part in text.split_inclusive('/') { (part) @if part.ends_with('/') { wbr; } } }
+/// A text whose lines may break behind slashes, as those of paths should: a space
+/// of no width stands there.
+fn breakable(text: &str) -> String {
+    text.replace('/', "/\u{200b}")
 }
 
 fn summary(facts: &[Fact]) -> Markup {
