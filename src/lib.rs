@@ -11,13 +11,15 @@
 //! | `maths` | elementary functions and sampling points, the same bits everywhere |
 //! | `texture` | image maps: decoded once, filtered, looked up |
 //! | `scene` | what the user wrote: OBJ/MTL, TOML, lights, materials, camera |
-//! | `frame` | linear images, tone curves, comparison |
+//! | `frame` | linear images, tone curves, FLIP and other measures of difference |
+//! | `compare` | two images judged: limits, masks, what fails, what would pass |
 //! | `report` | tables, plots and pictures as one folder of files, as bytes |
 //! | `surface` | tessellation, lighting vertices, sides, rays |
 //! | `bake` | partitions, spectral basis, sampled transfer, compressed rows, bake file |
 //! | `relight` | direct light, bounces, rasterizer, shading |
 //! | `reference` | path tracer: the truth that everything is measured against |
-//! | `output` | PNG and EXR files, folders of files |
+//! | `output` | PNG and EXR files, heat maps, folders of files |
+//! | `golden` | scenes and frames held against golden images, and the report on it |
 //! | `measure` | how long frames take, and how wrong they are for it |
 //!
 //! ```no_run
@@ -32,7 +34,9 @@
 //! ```
 
 mod bake;
+mod compare;
 mod frame;
+pub mod golden;
 mod maths;
 pub mod measure;
 mod output;
@@ -48,18 +52,23 @@ pub use bake::{
     BakeError, BakeForecast, BakeSettings, BakeStats, ErrorParts, FreeKeys, LightErrors,
     Partitioner, Progress, RunSettings, Scheme, Silent,
 };
+pub use compare::{
+    ComparedImage, Failure, Figure, Figures, FlipMeasure, HeatScale, JudgeError, Judgement, Limits,
+    Mask, MaskError, Measured, PassingLimits, judge, strip,
+};
 pub use frame::{
-    Difference, EncodedImage, FlipMap, HdrFlip, Image, ImageSizeError, PIXELS_PER_DEGREE,
-    SizeMismatch, compare, count_beyond, flip, hdr_flip,
+    Difference, EncodedImage, FlipMap, HdrFlip, Image, ImageSizeError, LoadedImage, Metadata,
+    MetadataDifference, PIXELS_PER_DEGREE, SizeMismatch, compare, flip, hdr_flip,
 };
 pub use output::{
-    LoadedImage, OutputError, Picture, check_format, encode_png, read_image, write_folder,
-    write_picture,
+    OutputError, Picture, PictureMetadata, check_format, encode_described, encode_png, heat_map,
+    read_compared, read_image, write_described, write_file, write_folder, write_picture, write_png,
 };
 pub use relight::{
     BakeFigures, BasisFunction, BasisFunctionError, BounceError, COMPONENTS, Component,
     ComponentError, Frame, FrameSettings, ImageCounts, LightCounts, Outlook, RenderError, Renderer,
-    SceneContents, SceneFigures, SkyView, Stages, develop,
+    SceneContents, SceneFigures, SkyView, Stages, bounces_text, describe_levels, describe_scene,
+    develop,
 };
 pub use scene::{
     Animation, Area, BakeKeys, Bounces, Camera, Directional, Environment, GoldenKeys, Light,

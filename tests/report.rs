@@ -146,6 +146,7 @@ fn labelled(label: &str, image: PngImage) -> LabelledPicture {
         label: label.to_owned(),
         image,
         alt: format!("A ball, {label}"),
+        file_word: label.to_lowercase(),
     }
 }
 
@@ -156,6 +157,7 @@ fn comparison() -> Comparison {
         left: labelled("Expected", ball(640, 400, 0.0, [1.0, 0.9, 0.8])),
         right: labelled("Actual", ball(640, 400, 6.0, [0.9, 0.9, 1.0])),
         difference: Some(labelled("Difference", ball(640, 400, 3.0, [1.0, 0.2, 0.1]))),
+        strip: Some(ball(1920, 400, 3.0, [1.0, 0.9, 0.8])),
     }
 }
 
@@ -239,9 +241,10 @@ fn a_report_is_one_folder() {
             "pictures/small.png",
             "pictures/wide.png",
             "pictures/tall.png",
-            "pictures/courtyard-left.png",
-            "pictures/courtyard-right.png",
+            "pictures/courtyard-expected.png",
+            "pictures/courtyard-actual.png",
             "pictures/courtyard-difference.png",
+            "pictures/courtyard-strip.png",
             "pictures/large.png",
             "report.json",
             "report.html",

@@ -2,8 +2,9 @@
 
 use std::path::PathBuf;
 
+use super::golden::Golden;
 use clap::{Args, Parser, Subcommand};
-use relume::{Bounces, Component, ComponentError, Scheme, SimdLevel};
+use relume::{Bounces, Component, ComponentError, PixelLimit, Scheme, SimdLevel};
 
 /// Relight OBJ scenes on a CPU, with bounced light.
 #[derive(Debug, Parser)]
@@ -22,8 +23,12 @@ pub(super) enum Command {
     /// Say what a scene asks for and what it will cost; bakes nothing.
     Info(Info),
     /// Compare two images; exit code 1 if they differ by more than the limits
-    /// that are given, or at all if none is.
+    /// that are given, or at all if none is. Alpha is compared where either file
+    /// has it.
     Diff(Diff),
+    /// Hold scenes against their golden images, or make their frames the goldens.
+    #[command(subcommand)]
+    Golden(Golden),
     /// Path-trace a scene: slow, and the truth to compare frames with.
     Reference(Reference),
     /// Measure speed against error and write a report; or time relighting.
@@ -37,6 +42,7 @@ impl Command {
             Self::Bake(arguments) => &arguments.scene.run,
             Self::Info(arguments) => &arguments.scene.run,
             Self::Diff(arguments) => &arguments.run,
+            Self::Golden(arguments) => &arguments.suite().run,
             Self::Reference(arguments) => &arguments.scene.run,
             Self::Measure(arguments) => &arguments.scene.run,
         }
@@ -93,6 +99,16 @@ pub(super) struct Diff {
     /// or pixels, both must hold.
     #[arg(long, value_name = "X", value_parser = parse_limit, allow_negative_numbers = true)]
     pub(super) max_flip: Option<f64>,
+    /// Grey picture of the same size: a pixel of level g may differ by g levels
+    /// of 255, a white one is ignored.
+    #[arg(long, value_name = "FILE.png")]
+    pub(super) mask: Option<PathBuf>,
+    /// Write reference, difference and candidate side by side.
+    #[arg(long, value_name = "FILE.png")]
+    pub(super) strip: Option<PathBuf>,
+    /// Write FLIP by pixel as colours, with a legend.
+    #[arg(long, value_name = "FILE.png")]
+    pub(super) heatmap: Option<PathBuf>,
     #[command(flatten)]
     pub(super) run: Run,
 }
@@ -201,14 +217,6 @@ pub(super) struct Run {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Size(pub(super) [u32; 2]);
 
-/// How many pixels may differ.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum PixelLimit {
-    Count(u64),
-    /// Share of all pixels, 0 to 1.
-    Share(f64),
-}
-
 /// Longest side of a picture, pixels.
 const LARGEST_SIDE: u32 = 16_384;
 /// Paths a pixel of a report's reference: they leave some 5 % of noise in the
@@ -221,7 +229,7 @@ const MOST_FRAMES: i64 = 100_000;
 /// Most bounces by number, as in the scene file.
 const MOST_BOUNCES: u32 = 10_000;
 
-fn parse_size(text: &str) -> Result<Size, String> {
+pub(super) fn parse_size(text: &str) -> Result<Size, String> {
     let problem = || format!("a size is WxH with 1 to {LARGEST_SIDE} pixels each, such as 320x240");
     let (width, height) = text.split_once(['x', 'X']).ok_or_else(problem)?;
     let side = |s: &str| {

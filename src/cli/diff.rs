@@ -1,153 +1,160 @@
 //! `relume diff`: how far one image is from another.
 
-use relume::{
-    Difference, FlipMap, Image, LoadedImage, PIXELS_PER_DEGREE, SizeMismatch, compare,
-    count_beyond, flip, hdr_flip, read_image,
-};
-use serde_json::json;
+use std::path::Path;
 
-use super::args::{Diff, PixelLimit};
+use relume::{
+    Figure, Judgement, Limits, Mask, Measured, MetadataDifference, heat_map, judge, read_compared,
+    read_image, strip, write_png,
+};
+use serde_json::{Map, Value, json};
+
+use super::args::Diff;
 use super::error::CliError;
 use super::report::Report;
 use super::run::thread_pool;
 
-/// Side of the blocks over which noise and edges are averaged out, pixels.
-const BLOCK: u32 = 8;
-
 pub(super) fn execute(arguments: &Diff) -> Result<Report, CliError> {
-    let reference = read_image(&arguments.reference)?;
-    let candidate = read_image(&arguments.candidate)?;
-    if matches!(reference, LoadedImage::Levels(_)) != matches!(candidate, LoadedImage::Levels(_)) {
-        return Err(CliError::Usage(
-            "a PNG and an EXR hold different things (levels, linear values); compare two of a kind"
-                .to_owned(),
-        ));
-    }
-    let (a_values, b_values) = (reference.values(), candidate.values());
-    let values = match compare(a_values, b_values) {
-        Ok(values) => values,
-        Err(mismatch) => return Ok(of_other_size(mismatch)),
+    check_pictures(arguments)?;
+    let reference = read_compared(&arguments.reference)?;
+    let candidate = read_compared(&arguments.candidate)?;
+    let mask = arguments.mask.as_deref().map(read_mask).transpose()?;
+    let limits = Limits {
+        max_channel_difference: arguments.max_channel_difference,
+        max_differing_pixels: arguments.max_differing_pixels,
+        max_flip: arguments.max_flip,
     };
-    let (a, b) = (reference.to_linear(), candidate.to_linear());
-    let linear = compare(&a, &b)?;
-    let blocks = compare(&a.block_means(BLOCK), &b.block_means(BLOCK))?;
-    let pixel_count = u64::from(a.width()) * u64::from(a.height());
-    let seen = thread_pool(&arguments.run)?.install(|| Seen::new(&reference, &candidate))?;
-    let passes = passes(arguments, a_values, b_values, &seen)?;
-    let json = json!({
-        "passes": passes,
-        "max_channel_difference": values.max_channel,
-        "differing_pixels": values.differing_pixels,
-        "pixels": pixel_count,
-        "rmse": values.rmse,
-        "relative_rmse": linear.relative_rmse,
-        "bias": linear.bias,
-        "relative_rmse_8x8": blocks.relative_rmse,
-        "non_finite_pixels": values.non_finite_pixels,
-        "flip_mean": seen.mean,
-        "flip_median": seen.median,
-        "flip_p95": seen.percentile_95,
-        "flip_max": seen.max,
-    });
-    let of_values = text(passes, &values, &linear, &blocks, pixel_count);
+    let pool = thread_pool(&arguments.run)?;
+    let judgement = pool.install(|| judge(&reference, &candidate, &limits, mask.as_ref()))?;
+    let mut text = judgement_text(&judgement);
+    if let Some(path) = &arguments.strip {
+        write_png(path, &strip(&reference, &candidate, mask.as_ref()))?;
+    }
+    if let Some(path) = &arguments.heatmap {
+        match judgement.measured() {
+            Some(measured) => write_png(path, &heat_map(&measured.flip_map))?,
+            None => text.push_str("\nno heat map of images of two sizes"),
+        }
+    }
+    let metadata = if judgement.is_equal() {
+        Vec::new()
+    } else {
+        reference.metadata_differences(&candidate)
+    };
+    text.push_str(&metadata_text(&metadata));
     Ok(Report {
-        json,
-        text: format!("{of_values}\n{}", seen.text()),
-        exit_code: u8::from(!passes),
+        json: judgement_json(&judgement, &metadata),
+        text,
+        exit_code: u8::from(!judgement.passes()),
     })
 }
 
-/// Whether all limits hold that are given. Those on channels and pixels are one:
-/// so many pixels may differ by more than so much. Without any limit the images
-/// must be equal.
-fn passes(
-    arguments: &Diff,
-    reference: &Image,
-    candidate: &Image,
-    seen: &Seen,
-) -> Result<bool, CliError> {
-    let flip_passes = arguments.max_flip.is_none_or(|limit| seen.mean <= limit);
-    let (channels, pixels) = (
-        arguments.max_channel_difference,
-        arguments.max_differing_pixels,
-    );
-    if channels.is_none() && pixels.is_none() && arguments.max_flip.is_some() {
-        return Ok(flip_passes);
+/// Refuses, before any work, pictures that are not called PNG.
+fn check_pictures(arguments: &Diff) -> Result<(), CliError> {
+    let pictures = [&arguments.strip, &arguments.heatmap];
+    for path in pictures.into_iter().flatten() {
+        if !path
+            .extension()
+            .is_some_and(|e| e.eq_ignore_ascii_case("png"))
+        {
+            return Err(CliError::Usage(format!(
+                "{}: strips and heat maps are PNG files; use .png",
+                path.display()
+            )));
+        }
     }
-    let pixel_count = reference.pixels().len() as u64;
-    let allowed = match pixels.unwrap_or(PixelLimit::Count(0)) {
-        PixelLimit::Count(count) => count,
-        PixelLimit::Share(share) => (share * pixel_count as f64).floor() as u64,
-    };
-    let beyond = count_beyond(reference, candidate, channels.unwrap_or(0.0))?;
-    Ok(beyond <= allowed && flip_passes)
+    Ok(())
 }
 
-/// FLIP over the image: what an observer sees of the difference.
-struct Seen {
-    measure: &'static str,
-    mean: f64,
-    median: f64,
-    percentile_95: f64,
-    max: f64,
+fn read_mask(path: &Path) -> Result<Mask, CliError> {
+    let image = read_image(path)?;
+    Mask::of_image(&image).map_err(|error| CliError::Usage(format!("{}: {error}", path.display())))
 }
 
-impl Seen {
-    /// LDR-FLIP of levels, HDR-FLIP of linear values.
-    fn new(reference: &LoadedImage, candidate: &LoadedImage) -> Result<Self, SizeMismatch> {
-        let (a, b) = (reference.values(), candidate.values());
-        let (measure, map): (_, FlipMap) = match reference {
-            LoadedImage::Levels(_) => ("LDR-FLIP", flip(a, b, PIXELS_PER_DEGREE)?),
-            LoadedImage::Linear(_) => ("HDR-FLIP", hdr_flip(a, b, PIXELS_PER_DEGREE)?.map),
-        };
-        Ok(Self {
-            measure,
-            mean: map.mean(),
-            median: map.percentile(50.0),
-            percentile_95: map.percentile(95.0),
-            max: map.max(),
+/// A judgement as an object of a report.
+pub(super) fn judgement_json(judgement: &Judgement, metadata: &[MetadataDifference]) -> Value {
+    let mut object = Map::new();
+    object.insert("passes".to_owned(), json!(judgement.passes()));
+    match judgement {
+        Judgement::OfOtherSize(mismatch) => {
+            object.insert("failed_limits".to_owned(), json!(["size"]));
+            object.insert("reference_size".to_owned(), json!(mismatch.reference));
+            object.insert("candidate_size".to_owned(), json!(mismatch.candidate));
+        }
+        Judgement::Measured(measured) => add_measured(&mut object, measured),
+    }
+    object.insert("failures".to_owned(), json!(judgement.failures()));
+    let metadata = metadata.iter().map(|difference| {
+        json!({
+            "name": difference.name,
+            "reference": difference.reference,
+            "candidate": difference.candidate,
         })
-    }
-
-    fn text(&self) -> String {
-        format!(
-            "{}: mean {:.5}, median {:.5}, 95th percentile {:.5}, max {:.5}",
-            self.measure, self.mean, self.median, self.percentile_95, self.max
-        )
-    }
+    });
+    object.insert("metadata_differences".to_owned(), metadata.collect());
+    Value::Object(object)
 }
 
-/// Images of unequal size are different images, not wrong usage.
-fn of_other_size(mismatch: SizeMismatch) -> Report {
-    Report {
-        json: json!({
-            "passes": false,
-            "reference_size": mismatch.reference,
-            "candidate_size": mismatch.candidate,
+fn add_measured(object: &mut Map<String, Value>, measured: &Measured) {
+    for (key, figure) in measured.figures.entries() {
+        let value = match figure {
+            Figure::Count(count) => json!(count),
+            Figure::Number(number) => json!(number),
+        };
+        object.insert(key.to_owned(), value);
+    }
+    let failed = measured.failures.iter().map(|failure| failure.limit());
+    object.insert("failed_limits".to_owned(), failed.collect());
+    let passing = &measured.passing;
+    object.insert(
+        "passing_limits".to_owned(),
+        json!({
+            "max_channel_difference": passing.max_channel_difference,
+            "max_differing_pixels": passing.max_differing_pixels,
+            "max_flip": passing.max_flip,
+            "options": passing.options(),
         }),
-        text: format!("different: {mismatch}"),
-        exit_code: 1,
-    }
+    );
 }
 
-fn text(
-    passes: bool,
-    values: &Difference,
-    linear: &Difference,
-    blocks: &Difference,
-    pixels: u64,
-) -> String {
-    format!(
-        "{}: {} of {pixels} pixels differ, by {} at most\nlinear light: relRMSE {:.3} %, over 8 x 8 pixels {:.3} %, bias {:+.3} %",
-        if passes {
-            "same within the limits"
-        } else {
-            "different"
-        },
-        values.differing_pixels,
-        values.max_channel,
-        linear.relative_rmse * 100.0,
-        blocks.relative_rmse * 100.0,
-        linear.bias * 100.0,
-    )
+/// A judgement as lines for a person.
+pub(super) fn judgement_text(judgement: &Judgement) -> String {
+    let measured = match judgement {
+        Judgement::OfOtherSize(mismatch) => return format!("different: {mismatch}"),
+        Judgement::Measured(measured) => measured,
+    };
+    let figures = &measured.figures;
+    let verdict = if !judgement.passes() {
+        "different"
+    } else if judgement.is_equal() {
+        "same"
+    } else {
+        "same within the limits"
+    };
+    let mut text = format!("{verdict}: {}", figures.text());
+    for failure in &measured.failures {
+        text.push_str(&format!("\nfails: {failure}"));
+    }
+    if !judgement.passes() {
+        let options = measured.passing.options().join(", or ");
+        text.push_str(&format!("\nwould pass with {options}"));
+    }
+    text
+}
+
+/// Both sides' values as lines to go behind a judgement's; empty for none.
+pub(super) fn metadata_text(differences: &[MetadataDifference]) -> String {
+    if differences.is_empty() {
+        return String::new();
+    }
+    let none = "nothing";
+    let lines = differences.iter().map(|difference| {
+        format!(
+            "\n  {}: {} | {}",
+            difference.name,
+            difference.reference.as_deref().unwrap_or(none),
+            difference.candidate.as_deref().unwrap_or(none),
+        )
+    });
+    let lines: String = lines.collect();
+    format!("\nthe files say of themselves (reference | candidate):{lines}")
 }

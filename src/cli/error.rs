@@ -2,8 +2,9 @@
 
 use std::error::Error;
 
+use relume::golden::{FindError, PageError};
 use relume::measure::{MeasureError, NoLocalLight};
-use relume::{BakeError, OutputError, RenderError, SceneError, SizeMismatch};
+use relume::{BakeError, JudgeError, OutputError, RenderError, SceneError};
 use thiserror::Error;
 
 use super::signals;
@@ -24,13 +25,26 @@ pub(super) enum CliError {
     #[error(transparent)]
     Measure(MeasureError),
     #[error(transparent)]
-    Sizes(#[from] SizeMismatch),
+    Judge(#[from] JudgeError),
+    #[error(transparent)]
+    Find(#[from] FindError),
+    #[error(transparent)]
+    Page(PageError),
     #[error("standard output could not be written; the files were")]
     StandardOutput(#[source] std::io::Error),
     #[error("{0}")]
     Usage(String),
     #[error("stopped; nothing was written")]
     Stopped,
+}
+
+impl From<PageError> for CliError {
+    fn from(error: PageError) -> Self {
+        match error {
+            PageError::Output(error) => error.into(),
+            error @ PageError::Report(_) => Self::Page(error),
+        }
+    }
 }
 
 impl From<MeasureError> for CliError {
@@ -50,19 +64,20 @@ impl CliError {
         match self {
             Self::Scene(error) if error.is_io() => 3,
             Self::Output(OutputError::UnknownFormat(_)) => 2,
-            Self::Output(_) | Self::StandardOutput(_) => 3,
+            Self::Output(_) | Self::Find(_) | Self::StandardOutput(_) => 3,
             Self::Stopped
             | Self::Render(RenderError::Cancelled)
             | Self::Bake(BakeError::Cancelled)
             | Self::Render(RenderError::Bake(BakeError::Cancelled)) => {
                 signals::exit_code().unwrap_or(1)
             }
-            Self::Sizes(_) => 1,
             Self::Scene(_)
             | Self::Render(_)
             | Self::Bake(_)
             | Self::NoLocalLight(_)
+            | Self::Judge(_)
             | Self::Measure(_)
+            | Self::Page(_)
             | Self::Usage(_) => 2,
         }
     }

@@ -5,6 +5,7 @@ mod args;
 mod bake;
 mod diff;
 mod error;
+mod golden;
 mod info;
 mod measure;
 mod reference;
@@ -21,7 +22,7 @@ use args::{Arguments, Command};
 use error::CliError;
 use report::Report;
 
-/// Runs the program; the exit code is 0 fine, 1 images differ, 2 wrong usage or
+/// Runs the program; the exit code is 0 fine, 1 images differ or a check failed, 2 wrong usage or
 /// a scene that cannot be understood, 3 a file that could not be read or
 /// written, 130 after Ctrl-C, 143 after SIGTERM.
 pub(crate) fn main() -> ExitCode {
@@ -46,6 +47,7 @@ fn execute(command: &Command) -> Result<Report, CliError> {
         Command::Bake(arguments) => bake::execute(arguments),
         Command::Info(arguments) => info::execute(arguments),
         Command::Diff(arguments) => diff::execute(arguments),
+        Command::Golden(arguments) => golden::execute(arguments),
         Command::Reference(arguments) => reference::execute(arguments),
         Command::Measure(arguments) => measure::execute(arguments),
     }

@@ -1,7 +1,10 @@
 //! `relume reference`: path-traced truth.
 
 use relume::reference::{ReferenceSettings, trace};
-use relume::{Bounces, Component, Picture, Stages, develop, write_picture};
+use relume::{
+    Bounces, Component, Metadata, Picture, PictureMetadata, Scene, Stages, bounces_text,
+    describe_levels, describe_scene, develop, write_described,
+};
 use serde_json::json;
 
 use super::args::Reference;
@@ -42,8 +45,14 @@ pub(super) fn execute(arguments: &Reference) -> Result<Report, CliError> {
         linear: &traced.image,
         encoded: &levels,
     };
+    let linear = describe(&scene, arguments, &settings);
+    let (exposure, tone) = (scene.render.exposure, scene.render.tone);
+    let metadata = PictureMetadata {
+        encoded: describe_levels(&linear, Component::Global, exposure, tone),
+        linear,
+    };
     for path in &arguments.view.output {
-        write_picture(path, picture)?;
+        write_described(path, picture, &metadata)?;
     }
     let json = json!({
         "digest": digest(&arguments.view, &picture),
@@ -66,4 +75,14 @@ pub(super) fn execute(arguments: &Reference) -> Result<Report, CliError> {
         text,
         exit_code: 0,
     })
+}
+
+/// What determines the traced values.
+fn describe(scene: &Scene, arguments: &Reference, settings: &ReferenceSettings) -> Metadata {
+    let mut metadata = describe_scene(scene, &settings.camera);
+    metadata.set_own("component", arguments.component.as_str());
+    metadata.set_own("bounces", bounces_text(settings.bounces));
+    metadata.set_own("paths", settings.samples.to_string());
+    metadata.set_own("seed", settings.seed.to_string());
+    metadata
 }

@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use relume::{
-    Component, Frame, FrameSettings, OutputError, Picture, Renderer, Scene, check_format,
-    write_picture,
+    Component, Frame, FrameSettings, OutputError, Picture, PictureMetadata, Renderer, Scene,
+    check_format, describe_levels, write_described,
 };
 use serde_json::json;
 
@@ -42,8 +42,13 @@ pub(super) fn execute(arguments: &Render) -> Result<Report, CliError> {
         linear: &frame.image,
         encoded: &levels,
     };
+    let linear = renderer.describe(&settings);
+    let metadata = PictureMetadata {
+        encoded: describe_levels(&linear, settings.component, exposure, tone),
+        linear,
+    };
     for path in &arguments.view.output {
-        write_picture(path, picture)?;
+        write_described(path, picture, &metadata)?;
     }
     Ok(report(
         arguments,

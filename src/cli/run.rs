@@ -16,8 +16,15 @@ pub(super) struct Bar {
 
 impl Bar {
     pub(super) fn new() -> Self {
+        Self::of_job("")
+    }
+
+    /// A bar that says before each stage what it is part of.
+    pub(super) fn of_job(name: &str) -> Self {
         let bar = ProgressBar::new(0);
-        let style = ProgressStyle::with_template("{msg:>16} [{bar:40}] {percent:>3}% {eta}");
+        bar.set_prefix(name.to_owned());
+        let style =
+            ProgressStyle::with_template("{prefix}{msg:>16} [{bar:40}] {percent:>3}% {eta}");
         bar.set_style(
             style
                 .unwrap_or_else(|_| ProgressStyle::default_bar())
@@ -53,9 +60,17 @@ pub(super) fn with_run<T: Send>(
     arguments: &Run,
     job: impl FnOnce(&RunSettings) -> Result<T, CliError> + Send,
 ) -> Result<T, CliError> {
+    run_job(arguments, Bar::new(), job)
+}
+
+/// [`with_run`] with a bar of the caller's.
+pub(super) fn run_job<T: Send>(
+    arguments: &Run,
+    bar: Bar,
+    job: impl FnOnce(&RunSettings) -> Result<T, CliError> + Send,
+) -> Result<T, CliError> {
     signals::listen();
     let pool = thread_pool(arguments)?;
-    let bar = Bar::new();
     let result = pool.install(|| {
         job(&RunSettings {
             level: arguments.simd,
@@ -95,6 +110,17 @@ pub(super) fn load_scene(arguments: &SceneArguments) -> Result<Scene, CliError> 
 pub(super) fn warn(warnings: Vec<String>) {
     for warning in warnings {
         eprintln!("warning: {warning}");
+    }
+}
+
+/// Says lines on standard error, as they are.
+#[allow(
+    clippy::print_stderr,
+    reason = "the one place where a command speaks to whoever runs it"
+)]
+pub(super) fn say(lines: &[String]) {
+    for line in lines {
+        eprintln!("{line}");
     }
 }
 

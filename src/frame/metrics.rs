@@ -51,18 +51,6 @@ pub fn compare(reference: &Image, candidate: &Image) -> Result<Difference, SizeM
     Ok(sums.difference(reference.pixels().len()))
 }
 
-/// Number of pixels whose largest channel difference is above `limit`;
-/// infinite values and NaN are above every limit.
-///
-/// # Errors
-/// If the sizes differ.
-pub fn count_beyond(reference: &Image, candidate: &Image, limit: f64) -> Result<u64, SizeMismatch> {
-    check_sizes(reference, candidate)?;
-    let pairs = reference.pixels().iter().zip(candidate.pixels());
-    let beyond = pairs.filter(|&(&a, &b)| f64::from(largest_channel_difference(a, b)) > limit);
-    Ok(beyond.count() as u64)
-}
-
 /// Largest difference of a channel; infinite if a value is infinite or not a
 /// number.
 pub(crate) fn largest_channel_difference(expected: Vec3, actual: Vec3) -> f32 {
@@ -166,8 +154,6 @@ mod tests {
         assert_eq!(difference.rmse, (9.0_f64 / 6.0).sqrt());
         assert_eq!(difference.relative_rmse, 3.0 / 5.0);
         assert_eq!(difference.bias, -3.0 / 9.0);
-        assert_eq!(count_beyond(&reference, &candidate, 2.9), Ok(1));
-        assert_eq!(count_beyond(&reference, &candidate, 3.0), Ok(0));
     }
 
     #[test]

@@ -8,11 +8,15 @@
 mod digest;
 mod flip;
 mod image;
+mod loaded;
+mod metadata;
 mod metrics;
 mod tone;
 
 pub use self::flip::{FlipMap, HdrFlip, PIXELS_PER_DEGREE, flip, hdr_flip};
 pub use self::image::{Image, ImageSizeError};
-pub use self::metrics::{Difference, SizeMismatch, compare, count_beyond};
+pub use self::loaded::LoadedImage;
+pub use self::metadata::{Metadata, MetadataDifference};
+pub use self::metrics::{Difference, SizeMismatch, compare};
 pub use self::tone::EncodedImage;
 pub(crate) use self::tone::{Development, decode_levels};

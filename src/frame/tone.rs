@@ -8,7 +8,7 @@ use std::sync::LazyLock;
 
 use glam::Vec3;
 
-use super::Image;
+use super::{Image, ImageSizeError};
 use crate::maths::functions::{exp2, linear_from_srgb};
 use crate::scene::Tone;
 
@@ -22,6 +22,27 @@ pub struct EncodedImage {
 }
 
 impl EncodedImage {
+    /// A picture of given levels: three bytes a pixel.
+    ///
+    /// # Errors
+    /// If a side is 0 or the number of bytes is not `3 * width * height`.
+    pub fn of_bytes(width: u32, height: u32, bytes: Vec<u8>) -> Result<Self, ImageSizeError> {
+        let wanted = 3 * u64::from(width) * u64::from(height);
+        if wanted == 0 || bytes.len() as u64 != wanted {
+            return Err(ImageSizeError {
+                width,
+                height,
+                pixel_count: bytes.len() / 3,
+            });
+        }
+        Ok(Self {
+            width,
+            height,
+            bytes,
+            undefined_pixels: 0,
+        })
+    }
+
     /// Width, pixels.
     pub fn width(&self) -> u32 {
         self.width

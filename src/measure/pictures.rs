@@ -51,6 +51,7 @@ pub(super) fn comparison(scene: &Scene, compared: &Compared) -> Result<Block, Me
             "the path-traced reference",
         )?,
         right: labelled("frame", &levels(&compared.frame), "the relit frame")?,
+        strip: None,
         difference: Some(labelled(
             "FLIP",
             &develop(
@@ -199,6 +200,7 @@ fn labelled(
         label: label.to_owned(),
         image: png(levels)?,
         alt: alt.to_owned(),
+        file_word: label.to_lowercase(),
     })
 }
 

@@ -1,4 +1,5 @@
-//! Image files. The only room that names the `image` crate.
+//! Image files and pictures that only people look at. The only room that names
+//! `png` and `tiny_skia`.
 //!
 //! Comes in: a frame as linear radiance and as levels, or a path. Goes out: a
 //! file that is either whole or absent, or what a file holds. The format is
@@ -6,13 +7,18 @@
 
 mod exr;
 mod file;
+mod glyphs;
+mod heat_map;
 mod png;
 
 use std::path::{Component, Path, PathBuf};
 
-use crate::frame::{EncodedImage, Image, decode_levels};
+use crate::compare::ComparedImage;
+use crate::frame::{EncodedImage, Image, LoadedImage, Metadata};
 use crate::report::ReportFile;
 use file::write_whole;
+
+pub use heat_map::heat_map;
 
 /// One frame in both of its forms; a format takes the one it holds.
 #[derive(Debug, Clone, Copy)]
@@ -23,30 +29,14 @@ pub struct Picture<'a> {
     pub encoded: &'a EncodedImage,
 }
 
-/// What an image file holds.
-#[derive(Debug, Clone, PartialEq)]
-pub enum LoadedImage {
-    /// sRGB levels 0 to 255; 16-bit levels are divided by 257.
-    Levels(Image),
-    /// Linear values.
-    Linear(Image),
-}
-
-impl LoadedImage {
-    /// The values as they stand in the file: levels or linear.
-    pub fn values(&self) -> &Image {
-        match self {
-            Self::Levels(image) | Self::Linear(image) => image,
-        }
-    }
-
-    /// Linear values in any case: levels are decoded from sRGB.
-    pub fn to_linear(&self) -> Image {
-        match self {
-            Self::Levels(levels) => decode_levels(levels),
-            Self::Linear(image) => image.clone(),
-        }
-    }
+/// What a file says of how its picture was made; a format takes the one that
+/// belongs to the form it holds.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct PictureMetadata {
+    /// Of linear values.
+    pub linear: Metadata,
+    /// Of levels.
+    pub encoded: Metadata,
 }
 
 /// Why an image was not written or read.
@@ -105,12 +95,16 @@ pub enum OutputError {
 /// Failure of an encoder or decoder, before the path is known.
 type CodecError = Box<dyn std::error::Error + Send + Sync>;
 
+/// Most pixels along a side of an image that is read: as many as a camera may
+/// have. A header that asks for more is refused before memory is.
+const MOST_SIDE: u32 = 16_384;
+
 /// One file format.
 struct Format {
     /// Extension in lower case, without the dot.
     extension: &'static str,
-    encode: fn(Picture<'_>) -> Result<Vec<u8>, CodecError>,
-    decode: fn(&[u8]) -> Result<LoadedImage, CodecError>,
+    encode: fn(Picture<'_>, &PictureMetadata) -> Result<Vec<u8>, CodecError>,
+    decode: fn(&[u8]) -> Result<ComparedImage, CodecError>,
 }
 
 /// All formats.
@@ -124,13 +118,55 @@ pub fn check_format(path: &Path) -> Result<(), OutputError> {
     format_of(path).map(|_| ())
 }
 
-/// Writes a frame in the format of the path's extension. A reader of `path`
-/// sees the old file or the new one, never a part.
+/// Writes a frame in the format of the path's extension, without metadata. A
+/// reader of `path` sees the old file or the new one, never a part.
 ///
 /// # Errors
 /// If the extension is unknown or the file cannot be written.
 pub fn write_picture(path: &Path, frame: Picture<'_>) -> Result<(), OutputError> {
-    let bytes = (format_of(path)?.encode)(frame).map_err(|source| OutputError::Encode {
+    write_described(path, frame, &PictureMetadata::default())
+}
+
+/// [`write_picture`] with metadata: text chunks of a PNG, attributes of an EXR.
+/// Equal pixels and metadata are equal bytes.
+///
+/// # Errors
+/// If the extension is unknown or the file cannot be written.
+pub fn write_described(
+    path: &Path,
+    frame: Picture<'_>,
+    metadata: &PictureMetadata,
+) -> Result<(), OutputError> {
+    let bytes = (format_of(path)?.encode)(frame, metadata);
+    write_bytes(path, bytes)
+}
+
+/// The bytes that [`write_described`] would write to `path`.
+///
+/// # Errors
+/// If the extension is unknown or the picture does not fit the format.
+pub fn encode_described(
+    path: &Path,
+    frame: Picture<'_>,
+    metadata: &PictureMetadata,
+) -> Result<Vec<u8>, OutputError> {
+    let encode = format_of(path)?.encode;
+    encode(frame, metadata).map_err(|source| OutputError::Encode {
+        path: path.to_owned(),
+        source,
+    })
+}
+
+/// Writes levels as a PNG, whatever the path's extension.
+///
+/// # Errors
+/// If the file cannot be written.
+pub fn write_png(path: &Path, image: &EncodedImage) -> Result<(), OutputError> {
+    write_bytes(path, png::encode_levels(image, &Metadata::default()))
+}
+
+fn write_bytes(path: &Path, encoded: Result<Vec<u8>, CodecError>) -> Result<(), OutputError> {
+    let bytes = encoded.map_err(|source| OutputError::Encode {
         path: path.to_owned(),
         source,
     })?;
@@ -140,11 +176,19 @@ pub fn write_picture(path: &Path, frame: Picture<'_>) -> Result<(), OutputError>
     })
 }
 
-/// Reads an image in the format of the path's extension.
+/// Reads the colours of an image in the format of the path's extension.
 ///
 /// # Errors
 /// If the extension is unknown or the file is missing, cut or another format.
 pub fn read_image(path: &Path) -> Result<LoadedImage, OutputError> {
+    read_compared(path).map(ComparedImage::into_pixels)
+}
+
+/// Reads all that a comparison looks at: colours, alpha and metadata.
+///
+/// # Errors
+/// As [`read_image`].
+pub fn read_compared(path: &Path) -> Result<ComparedImage, OutputError> {
     let format = format_of(path)?;
     let bytes = std::fs::read(path).map_err(|source| OutputError::Read {
         path: path.to_owned(),
@@ -161,7 +205,7 @@ pub fn read_image(path: &Path) -> Result<LoadedImage, OutputError> {
 /// # Errors
 /// [`OutputError::EncodePng`] if PNG cannot hold the image.
 pub fn encode_png(image: &EncodedImage) -> Result<Vec<u8>, OutputError> {
-    png::encode_levels(image).map_err(OutputError::EncodePng)
+    png::encode_levels(image, &Metadata::default()).map_err(OutputError::EncodePng)
 }
 
 /// Writes files below a folder, which is made if it is missing, in their order.
@@ -179,12 +223,25 @@ pub fn write_folder(folder: &Path, files: &[ReportFile]) -> Result<(), OutputErr
         if !is_inside {
             return Err(OutputError::OutsideFolder(path));
         }
-        let above = path.parent().unwrap_or(folder);
-        std::fs::create_dir_all(above)
-            .and_then(|()| write_whole(&path, &file.bytes))
-            .map_err(|source| OutputError::Write { path, source })?;
+        write_file(&path, &file.bytes)?;
     }
     Ok(())
+}
+
+/// Writes a file, whole or not at all, into a folder that is made if it is
+/// missing.
+///
+/// # Errors
+/// If the folder or the file cannot be written.
+pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), OutputError> {
+    let folder = path.parent().filter(|it| !it.as_os_str().is_empty());
+    folder
+        .map_or(Ok(()), std::fs::create_dir_all)
+        .and_then(|()| write_whole(path, bytes))
+        .map_err(|source| OutputError::Write {
+            path: path.to_owned(),
+            source,
+        })
 }
 
 fn format_of(path: &Path) -> Result<&'static Format, OutputError> {

@@ -75,6 +75,19 @@ impl fmt::Display for BasisFunction {
     }
 }
 
+impl fmt::Display for Component {
+    /// The name on the command line.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Basis(function) => function.fmt(f),
+            plain => {
+                let found = COMPONENTS.iter().find(|(_, known)| known == plain);
+                f.write_str(found.map_or("", |(name, _)| name))
+            }
+        }
+    }
+}
+
 /// The name of a component means none.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 pub enum ComponentError {
@@ -208,6 +221,7 @@ mod tests {
     fn names_are_read_and_other_words_are_not() {
         for (name, component) in COMPONENTS {
             assert_eq!(name.parse(), Ok(component));
+            assert_eq!(component.to_string(), name);
         }
         let in_all = BasisFunction::InAll(17);
         let in_partition = BasisFunction::InPartition {

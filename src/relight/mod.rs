@@ -12,6 +12,7 @@ mod bounces;
 mod closed_forms;
 mod colours;
 mod component;
+mod description;
 mod geometry;
 mod kept;
 mod outlook;
@@ -28,6 +29,7 @@ pub use bounces::BounceError;
 pub(crate) use bounces::Transport;
 pub(crate) use colours::VertexColours;
 pub use component::{BasisFunction, COMPONENTS, Component, ComponentError};
+pub use description::{bounces_text, describe_levels, describe_scene};
 pub use outlook::{ImageCounts, LightCounts, Outlook, SceneContents, SkyView};
 pub use renderer::{
     BakeFigures, Frame, FrameSettings, RenderError, Renderer, SceneFigures, develop,

@@ -295,11 +295,16 @@ impl Renderer {
 
     /// Whether a frame needs a bake that the renderer does not have yet.
     pub fn needs_bake(&self, settings: &FrameSettings) -> bool {
+        self.baked.is_none() && self.reads_bake(settings)
+    }
+
+    /// Whether a frame depends on the bake.
+    pub(super) fn reads_bake(&self, settings: &FrameSettings) -> bool {
         let is_sky = |light: &Light| matches!(light.kind, LightKind::Environment(_));
         let has_sky = self.scene.lights.iter().any(is_sky);
         let needs_sky = settings.component.needs_direct() && has_sky;
         let needs_basis = settings.component.needs_basis();
-        self.baked.is_none() && (settings.needs_bounces() || needs_sky || needs_basis)
+        settings.needs_bounces() || needs_sky || needs_basis
     }
 
     /// What the user should know about mesh and cache; each sentence once.

@@ -122,8 +122,11 @@ fn comparison(comparison: &Comparison) -> Value {
         value[side] = json!({
             "label": picture.label,
             "alt": picture.alt,
-            "image": image(&comparison.file_name(side), &picture.image),
+            "image": image(&comparison.file_name(&picture.file_word), &picture.image),
         });
+    }
+    if let Some(strip) = &comparison.strip {
+        value["strip"] = image(&comparison.file_name("strip"), strip);
     }
     value
 }

@@ -27,12 +27,12 @@ mod page;
 mod plot;
 mod png;
 
+pub use self::png::PngImage;
 pub use error::ReportError;
 pub use model::{
     Axis, Block, Cell, Column, Comparison, Fact, LabelledPicture, Mark, Picture, Plot, Report, Row,
     Scale, Section, Series, Style, Table,
 };
-pub use png::PngImage;
 
 /// One file of a report.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -72,8 +72,8 @@ fn files_of(block: &Block) -> Vec<ReportFile> {
         ],
         Block::Picture(picture) => vec![png_file(&picture.name, &picture.image)],
         Block::Comparison(comparison) => comparison
-            .pictures()
-            .map(|(side, picture)| png_file(&comparison.file_name(side), &picture.image))
+            .named_images()
+            .map(|(name, image)| png_file(&name, image))
             .collect(),
     }
 }

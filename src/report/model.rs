@@ -270,6 +270,8 @@ pub struct Comparison {
     pub right: LabelledPicture,
     /// How they differ, for example a heat map.
     pub difference: Option<LabelledPicture>,
+    /// All in one picture, which is a file beside the page but not on it.
+    pub strip: Option<PngImage>,
 }
 
 /// One picture of a comparison.
@@ -281,18 +283,31 @@ pub struct LabelledPicture {
     pub image: PngImage,
     /// What is to be seen, for those who do not see it.
     pub alt: String,
+    /// Slug that ends the name of its file; another in each picture of a
+    /// comparison, and not "strip".
+    pub file_word: String,
 }
 
 impl Comparison {
-    /// The pictures, each with the word that ends its file's name.
+    /// The pictures, each with the side on which it stands.
     pub(super) fn pictures(&self) -> impl Iterator<Item = (&'static str, &LabelledPicture)> {
         let both = [("left", &self.left), ("right", &self.right)];
         let difference = self.difference.iter().map(|it| ("difference", it));
         both.into_iter().chain(difference)
     }
 
-    pub(super) fn file_name(&self, side: &str) -> String {
-        format!("{}-{side}", self.name)
+    /// The names of all files, each with its pixels.
+    pub(super) fn named_images(&self) -> impl Iterator<Item = (String, &PngImage)> {
+        let pictures = self
+            .pictures()
+            .map(|(_, it)| (it.file_word.as_str(), &it.image));
+        let strip = self.strip.iter().map(|image| ("strip", image));
+        let named = pictures.chain(strip);
+        named.map(|(word, image)| (self.file_name(word), image))
+    }
+
+    pub(super) fn file_name(&self, word: &str) -> String {
+        format!("{}-{word}", self.name)
     }
 }
 

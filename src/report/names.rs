@@ -22,8 +22,11 @@ pub(super) fn check(report: &Report) -> Result<(), ReportError> {
             Block::Picture(picture) => taken.claim_file(picture_path(&picture.name))?,
             // "a" with its left picture and a picture "a-left" share a file.
             Block::Comparison(comparison) => {
-                for (side, _) in comparison.pictures() {
-                    taken.claim_file(picture_path(&comparison.file_name(side)))?;
+                for (name, _) in comparison.named_images() {
+                    if !is_slug(&name) {
+                        return Err(ReportError::NotASlug(name));
+                    }
+                    taken.claim_file(picture_path(&name))?;
                 }
             }
             Block::Plot(_) => {}

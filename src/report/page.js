@@ -21,14 +21,30 @@ for (const comparison of document.querySelectorAll(".comparison")) {
   });
   stage.addEventListener("pointermove", drag);
 }
-// S shows the one picture in place of the other, in the comparison that has
-// the focus or lies below the pointer.
-document.addEventListener("keydown", (event) => {
-  if (event.key.toLowerCase() !== "s" || event.ctrlKey || event.metaKey || event.altKey) return;
-  const comparison =
-    document.activeElement.closest(".comparison") || document.querySelector(".comparison:hover");
+// The comparison that has the focus or lies below the pointer; one alone always.
+const all = [...document.querySelectorAll(".comparison")];
+const current = () =>
+  document.activeElement.closest(".comparison") ||
+  document.querySelector(".comparison:hover") ||
+  (all.length === 1 ? all[0] : null);
+// S shows the one picture in place of the other.
+const swap = (comparison) => {
   if (!comparison) return;
   const left = comparison.querySelector("[value=left]");
   const next = left.checked ? comparison.querySelector("[value=right]") : left;
   next.checked = true;
+};
+// N and P go to the next and the previous comparison.
+const go = (step) => {
+  const from = all.indexOf(current());
+  const to = from < 0 ? (step > 0 ? 0 : all.length - 1) : from + step;
+  if (!all[to]) return;
+  all[to].querySelector(":checked").focus({ preventScroll: true });
+  (all[to].closest("section") || all[to]).scrollIntoView();
+};
+const keys = { s: () => swap(current()), n: () => go(1), p: () => go(-1) };
+document.addEventListener("keydown", (event) => {
+  if (event.ctrlKey || event.metaKey || event.altKey) return;
+  const act = keys[event.key.toLowerCase()];
+  if (act) act();
 });

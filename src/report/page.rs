@@ -20,6 +20,9 @@ const SCRIPT: &str = include_str!("page.js");
 const POLICY: &str = "default-src 'none'; img-src data:; \
                       style-src 'unsafe-inline'; script-src 'unsafe-inline'";
 
+/// Pictures of a comparison that are less wide are shown larger, pixel by pixel.
+const LEAST_WIDTH: u32 = 320;
+
 /// The page.
 pub(super) fn write(report: &Report) -> String {
     let page = html! {
@@ -57,11 +60,17 @@ fn contents(report: &Report) -> Markup {
                     li { a href="#summary" { "Summary" } }
                 }
                 @for section in &report.sections {
-                    li { a href={ "#" (section.anchor) } { (section.heading) } }
+                    li { a href={ "#" (section.anchor) } { (breakable(&section.heading)) } }
                 }
             }
         }
     }
+}
+
+/// A text whose lines may break behind slashes, as those of paths should: a space
+/// of no width stands there.
+fn breakable(text: &str) -> String {
+    text.replace('/', "/\u{200b}")
 }
 
 fn summary(facts: &[Fact]) -> Markup {
@@ -198,10 +207,11 @@ fn draw_picture(picture: &Picture) -> Markup {
 /// style alone which of them stand where.
 fn draw_comparison(comparison: &Comparison) -> Markup {
     let name = &comparison.name;
-    let path = |side| picture_path(&comparison.file_name(side));
-    let links: Vec<(&str, String)> = comparison
-        .pictures()
-        .map(|(side, picture)| (picture.label.as_str(), path(side)))
+    let labels = comparison.pictures().map(|(_, it)| it.label.as_str());
+    let files_named = comparison.named_images();
+    let links: Vec<(&str, String)> = labels
+        .chain(comparison.strip.iter().map(|_| "Strip"))
+        .zip(files_named.map(|(name, _)| picture_path(&name)))
         .collect();
     let button = |view: &'static str, label: &str| {
         html! {
@@ -212,13 +222,14 @@ fn draw_comparison(comparison: &Comparison) -> Markup {
         }
     };
     html! {
-        figure .comparison #(name) {
+        figure .comparison .small[comparison.left.image.width() < LEAST_WIDTH] #(name) {
             fieldset {
                 legend { "View" }
                 (button("all", "Side by side"))
                 span .script-only { (button("slider", "Slider")) }
+                (button("blink", "Blink"))
                 @for (side, picture) in comparison.pictures() { (button(side, &picture.label)) }
-                span .script-only .hint { "S swaps" }
+                span .script-only .hint { "S swaps, N next, P previous" }
             }
             div .stage {
                 @for (side, picture) in comparison.pictures() { (draw_side(side, picture)) }

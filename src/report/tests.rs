@@ -12,11 +12,12 @@ fn png() -> PngImage {
     PngImage::new(head.to_vec()).unwrap()
 }
 
-fn labelled() -> LabelledPicture {
+fn labelled(side: &str) -> LabelledPicture {
     LabelledPicture {
         label: HOSTILE.to_owned(),
         image: png(),
         alt: HOSTILE.to_owned(),
+        file_word: side.to_owned(),
     }
 }
 
@@ -71,9 +72,10 @@ fn report(text: &str) -> Report {
                 Block::Comparison(Comparison {
                     name: "comparison".to_owned(),
                     caption: text(),
-                    left: labelled(),
-                    right: labelled(),
+                    left: labelled("left"),
+                    right: labelled("right"),
                     difference: None,
+                    strip: Some(png()),
                 }),
             ],
         }],
@@ -199,7 +201,14 @@ fn names_are_slugs_and_unique() {
         assert!(error.contains("cannot name a part"), "{error}");
     }
     // Another block, the section, a file of the comparison, the page's own anchor.
-    for name in ["table", "section", "comparison-left", "contents", "report"] {
+    for name in [
+        "table",
+        "section",
+        "comparison-left",
+        "comparison-strip",
+        "contents",
+        "report",
+    ] {
         let error = error(&picture_named(name)).unwrap_err();
         assert!(error.contains("two parts"), "{error}");
     }

@@ -1,8 +1,9 @@
-//! Limits of the golden check, as the scene file gives them.
+//! What the scene file says of its golden image.
 
 use std::path::PathBuf;
 
-/// `[golden]`: how far a frame may be from its golden image; all 0 by default.
+/// `[golden]`: how far a frame may be from its golden image, all 0 by default,
+/// and with what the frame for it is drawn.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct GoldenKeys {
     /// Largest difference of a channel: 8-bit levels for PNG, linear values
@@ -15,6 +16,9 @@ pub struct GoldenKeys {
     /// Image of levels that are allowed a pixel, resolved against the scene
     /// file's folder.
     pub mask: Option<PathBuf>,
+    /// What the golden's frame changes of the scene, each as `--set` has it: a
+    /// smaller picture, a cheaper bake.
+    pub set: Vec<String>,
 }
 
 /// A number of pixels.

@@ -36,6 +36,19 @@ impl Scene {
         Self::load_with(&bytes, path, overrides, &Disk)
     }
 
+    /// [`Scene::load`] as the scene's golden image is drawn: with the keys that
+    /// `set` of `[golden]` changes, and then those that are given.
+    ///
+    /// # Errors
+    /// As [`Scene::load`].
+    pub fn load_for_golden(path: &Path, overrides: &[Override]) -> Result<Self, SceneError> {
+        let bytes = std::fs::read(path);
+        let bytes = bytes.map_err(|source| unreadable("", path, source))?;
+        let mut all = Document::golden_overrides(strict_text(&bytes, path)?, path)?;
+        all.extend_from_slice(overrides);
+        Self::load_with(&bytes, path, &all, &Disk)
+    }
+
     /// [`Scene::load`] of the bytes that `path` holds, with another source of
     /// files.
     pub(crate) fn load_with(

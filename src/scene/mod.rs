@@ -8,6 +8,7 @@
 mod animation;
 mod camera;
 mod defects;
+mod digest;
 mod error;
 mod file;
 mod files;
@@ -33,6 +34,7 @@ pub use animation::Animation;
 
 pub use camera::Camera;
 pub(crate) use camera::PlacedCamera;
+pub(crate) use digest::SceneDigests;
 pub use error::SceneError;
 pub use file::Override;
 pub use golden::{GoldenKeys, PixelLimit};

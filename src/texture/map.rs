@@ -172,6 +172,11 @@ impl Texture {
         &self.path
     }
 
+    /// Hash of the file's bytes: equal maps hold equal pixels.
+    pub(crate) fn digest(&self) -> &[u8; 32] {
+        &self.digest
+    }
+
     /// Width and height, pixels.
     pub fn size(&self) -> [u32; 2] {
         self.size

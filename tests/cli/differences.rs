@@ -3,6 +3,8 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use relume::{read_compared, read_image};
+
 use crate::program::{Finished, relume, render_box_command, run, succeed, temporary_folder};
 
 /// A small frame of direct light under a name; needs no bake.
@@ -212,6 +214,128 @@ fn files_that_are_no_images_are_file_errors() {
         assert!(
             finished.stderr.contains(word),
             "nothing says {word}: {finished:#?}"
+        );
+    }
+}
+
+#[test]
+fn pictures_of_a_difference_are_written() {
+    let folder = temporary_folder();
+    let brighter = ["--set", "light.lamp.intensity=[3.6,2.9,2.3]"];
+    for kind in ["png", "exr"] {
+        let reference = frame(folder.path(), &format!("reference.{kind}"), &[]);
+        let other = frame(folder.path(), &format!("other.{kind}"), &brighter);
+        let strip = folder.path().join(format!("strip-{kind}.png"));
+        let heat_map = folder.path().join(format!("heat-{kind}.PNG"));
+        let mut command = relume(&["diff"]);
+        command.arg(&reference).arg(&other);
+        command.arg("--strip").arg(&strip);
+        command.arg("--heatmap").arg(&heat_map);
+        let finished = run(&mut command);
+        assert_eq!(finished.exit_code, Some(1), "{finished:#?}");
+        let strip = read_image(&strip).expect("the strip can be read");
+        let size = [strip.values().width(), strip.values().height()];
+        assert_eq!(size, [3 * 40 + 2 * 4, 30], "three panels and two gaps");
+        let heat_map = read_image(&heat_map).expect("the heat map can be read");
+        assert_eq!(heat_map.values().width(), 7 * 40, "at least 256 wide");
+    }
+    let reference = folder.path().join("reference.png");
+    let finished = diff(&reference, &reference, &["--strip", "strip.exr"]);
+    assert_eq!(finished.exit_code, Some(2), "{finished:#?}");
+    assert!(finished.stderr.contains("use .png"), "{finished:#?}");
+    let finished = diff(&reference, &reference, &["--strip", "no/folder/x.png"]);
+    assert_eq!(finished.exit_code, Some(3), "{finished:#?}");
+}
+
+#[test]
+fn masks_that_do_not_fit_are_wrong_usage() {
+    let folder = temporary_folder();
+    let reference = frame(folder.path(), "reference.png", &[]);
+    let linear = frame(folder.path(), "linear.exr", &[]);
+    let depth = ["--component", "depth"];
+    let grey = frame(folder.path(), "grey.png", &depth);
+    let masked = |mask: &Path| diff(&reference, &reference, &["--mask", &mask.to_string_lossy()]);
+    assert_eq!(masked(&grey).exit_code, Some(0), "depth is grey");
+    for (mask, exit_code, words) in [
+        (&reference, 2, "is not grey"),
+        (&linear, 2, "give a PNG"),
+        (&folder.path().join("missing.png"), 3, "missing.png"),
+    ] {
+        let finished = masked(mask);
+        assert_eq!(finished.exit_code, Some(exit_code), "{finished:#?}");
+        assert!(finished.stderr.contains(words), "{finished:#?}");
+    }
+}
+
+#[test]
+fn files_say_what_made_them_and_a_mismatch_says_what_differs() {
+    let folder = temporary_folder();
+    let brighter = ["--set", "light.lamp.intensity=[3.6,2.9,2.3]"];
+    for kind in ["png", "exr"] {
+        let named = |name: &str| format!("{name}.{kind}");
+        let reference = frame(folder.path(), &named("reference"), &[]);
+        let again = frame(folder.path(), &named("again"), &["--threads", "1"]);
+        let other = frame(folder.path(), &named("other"), &brighter);
+        let bytes = |path: &Path| fs::read(path).expect("a frame can be read");
+        assert!(bytes(&reference) == bytes(&again), "{kind}: other bytes");
+
+        let finished = diff(&reference, &other, &[]);
+        for words in ["(reference | candidate)", "relume:scene.lights: "] {
+            assert!(finished.stdout.contains(words), "{words}: {finished:#?}");
+        }
+        let report = diff(&reference, &other, &["--json"]).json();
+        let differences = report["metadata_differences"].as_array().cloned();
+        let differences = differences.unwrap_or_default();
+        let names: Vec<_> = differences.iter().map(|d| d["name"].as_str()).collect();
+        assert_eq!(names, [Some("relume:scene"), Some("relume:scene.lights")]);
+        assert_ne!(differences[1]["reference"], differences[1]["candidate"]);
+        let same = diff(&reference, &again, &["--json"]).json();
+        assert_eq!(same["metadata_differences"], serde_json::json!([]));
+    }
+    let file = folder.path().join("reference.png");
+    let loaded = read_compared(&file).expect("the frame can be read");
+    let metadata = loaded.metadata();
+    for (name, value) in [
+        ("software", concat!("relume ", env!("CARGO_PKG_VERSION"))),
+        ("relume:size", "40x30"),
+        ("relume:bounces", "0"),
+        ("relume:component", "global"),
+        ("relume:tone", "srgb"),
+    ] {
+        assert_eq!(metadata.get(name), Some(value), "{name}");
+    }
+    let linear = read_compared(&folder.path().join("reference.exr"));
+    let linear = linear.expect("the frame can be read");
+    assert_eq!(linear.metadata().get("relume:tone"), None);
+}
+
+#[test]
+fn a_bake_is_part_of_what_a_file_says() {
+    let folder = temporary_folder();
+    let bounced = |name: &str| {
+        succeed(&mut render_box_command(
+            folder.path(),
+            name,
+            &["--bounces", "1"],
+        ));
+        folder.path().join(name)
+    };
+    let (cold, warm) = (bounced("cold.png"), bounced("warm.png"));
+    let bytes = |path: &Path| fs::read(path).expect("a frame can be read");
+    assert!(
+        bytes(&cold) == bytes(&warm),
+        "a warm cache gives other bytes"
+    );
+    let loaded = read_compared(&cold).expect("the frame can be read");
+    let metadata = loaded.metadata();
+    assert_eq!(metadata.get("relume:bake.rays"), Some("64"));
+    assert_eq!(metadata.get("relume:bake.scheme"), Some("relume"));
+    for name in ["functions", "coefficients", "vertices"] {
+        let value = metadata.get(&format!("relume:bake.{name}"));
+        let number = value.and_then(|value| value.parse::<f64>().ok());
+        assert!(
+            number.is_some_and(|number| number > 1.0),
+            "{name}: {value:?}"
         );
     }
 }

@@ -3,6 +3,7 @@
 
 mod components;
 mod differences;
+mod goldens;
 mod info;
 mod measured_reports;
 mod mistakes;

@@ -76,7 +76,7 @@ fn report_is_whole(report: &Path) {
         "plots/error-against-bytes.svg",
         "plots/error-against-milliseconds.svg",
         "plots/error-against-rays.svg",
-        "pictures/global-against-reference-difference.png",
+        "pictures/global-against-reference-flip.png",
         "pictures/partitions.png",
         "pictures/function-0.png",
         "pictures/approximated-direct.png",

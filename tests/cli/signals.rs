@@ -8,6 +8,8 @@ use crate::program::{Finished, files_in, relume, scene, temporary_folder};
 
 /// Rays a vertex with which the box bakes for minutes.
 const ENDLESS_RAYS: &str = "bake.rays=65536";
+/// The scene's own mesh, which its `[golden]` would make coarser.
+const FINE_MESH: &str = "bake.max_edge=0.05";
 /// Paths a pixel with which a reference of the box takes hours.
 const ENDLESS_PATHS: &str = "65536";
 /// Within this the program must have stopped, on a busy machine too.
@@ -64,11 +66,11 @@ fn stopped(command: &mut Command, signal: &str) -> Finished {
 fn leaves_nothing(command: &str, signal: &str, exit_code: i32) {
     let folder = temporary_folder();
     let cache = folder.path().join("cache");
-    let mut job = relume(&[command, "--cache-dir"]);
-    job.arg(&cache).arg(scene("cornell"));
+    let mut job = relume(&command.split(' ').collect::<Vec<_>>());
+    job.arg("--cache-dir").arg(&cache).arg(scene("cornell"));
     match command {
         "reference" => job.args(["--spp", ENDLESS_PATHS]),
-        _ => job.args(["--set", ENDLESS_RAYS]),
+        _ => job.args(["--set", ENDLESS_RAYS, "--set", FINE_MESH]),
     };
     if command != "bake" {
         job.arg("-o").arg(folder.path().join("frame.png"));
@@ -108,4 +110,9 @@ fn sigterm_stops_a_bake_and_leaves_nothing() {
 #[test]
 fn control_c_stops_a_reference_and_leaves_nothing() {
     leaves_nothing("reference", "INT", 130);
+}
+
+#[test]
+fn control_c_stops_a_golden_check_and_leaves_no_report() {
+    leaves_nothing("golden check", "INT", 130);
 }

@@ -5,7 +5,7 @@ use glam::Vec3;
 use relume::{Image, PIXELS_PER_DEGREE};
 
 /// Size of most images: some filters wide, and some bands of the code high.
-const SIZE: [u32; 2] = [96, 72];
+pub(super) const SIZE: [u32; 2] = [96, 72];
 
 /// Which measure a pair is for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -124,26 +124,26 @@ fn hdr() -> Vec<Pair> {
     ]
 }
 
-fn of_size([width, height]: [u32; 2], pixel: impl Fn(u32, u32) -> Vec3) -> Image {
+pub(super) fn of_size([width, height]: [u32; 2], pixel: impl Fn(u32, u32) -> Vec3) -> Image {
     let places = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
     let pixels = places.map(|(x, y)| pixel(x, y)).collect();
     Image::new(width, height, pixels).expect("the size has pixels")
 }
 
 /// Ramps of all channels under a chequerboard of 16 pixels.
-fn levels(x: u32, y: u32) -> Vec3 {
+pub(super) fn levels(x: u32, y: u32) -> Vec3 {
     let chequer = 70 * ((x / 16 + y / 16) % 2);
     let channel = |offset: u32| ((2 * x + y + offset) % 180 + chequer) as f32;
     Vec3::new(channel(0), channel(40), channel(90))
 }
 
 /// The picture as radiance, a stop brighter every 12 pixels to the right.
-fn radiance(x: u32, y: u32) -> Vec3 {
+pub(super) fn radiance(x: u32, y: u32) -> Vec3 {
     (levels(x, y) + Vec3::ONE) / 256.0 * (1 << (x / 12)) as f32
 }
 
 /// Whole numbers from -amplitude to amplitude, another a channel.
-fn noise(x: u32, y: u32, amplitude: u32) -> Vec3 {
+pub(super) fn noise(x: u32, y: u32, amplitude: u32) -> Vec3 {
     let channel = |channel: u32| {
         let mixed = (x + 1000 * y + 1_000_000 * channel).wrapping_mul(2_654_435_761);
         let mixed = (mixed ^ (mixed >> 15)).wrapping_mul(2_246_822_519);

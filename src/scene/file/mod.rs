@@ -94,6 +94,18 @@ impl Document {
         Ok(document)
     }
 
+    /// `set` of `[golden]`: what the scene's golden changes of it.
+    ///
+    /// # Errors
+    /// Text that is not TOML, and a key of `[golden]` that is not allowed.
+    pub(crate) fn golden_overrides(text: &str, path: &Path) -> Result<Vec<Override>, SceneError> {
+        let table = tree::parse_document(text, path)?;
+        let mut fields = Fields::of_document(table, Place::of_line(path, 1));
+        let section = section(&mut fields, "golden", "[golden]")?;
+        let keys = sections::golden(section, Path::new(""))?;
+        keys.set.iter().map(|text| Override::parse(text)).collect()
+    }
+
     /// Everything but `[[animate]]`, whose key frames are checked by reading
     /// the file as it is at each of them.
     fn read(table: Table, start: &Place, sources: &Sources<'_>) -> Result<Self, SceneError> {

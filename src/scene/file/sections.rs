@@ -10,7 +10,7 @@ use super::fields::{Fields, Item, LARGEST, key_error, unit};
 use super::tree::{Node, Value};
 use crate::scene::place::Place;
 use crate::scene::{
-    BakeKeys, Bounces, Camera, GoldenKeys, PixelLimit, RenderKeys, SceneError, Tone,
+    BakeKeys, Bounces, Camera, GoldenKeys, Override, PixelLimit, RenderKeys, SceneError, Tone,
 };
 
 /// Widest and highest picture, pixels.
@@ -40,11 +40,12 @@ const BAKE: [&str; 7] = [
     "coefficients",
     "fixed_albedo",
 ];
-const GOLDEN: [&str; 4] = [
+const GOLDEN: [&str; 5] = [
     "max_channel_difference",
     "max_differing_pixels",
     "max_flip",
     "mask",
+    "set",
 ];
 const MATERIAL: [&str; 5] = ["name", "albedo", "specular", "roughness", "emission"];
 const TONES: [(&str, Tone); 2] = [("srgb", Tone::Srgb), ("filmic", Tone::Filmic)];
@@ -187,7 +188,26 @@ pub(crate) fn golden(mut fields: Fields, folder: &Path) -> Result<GoldenKeys, Sc
     if let Some(item) = fields.take("mask") {
         keys.mask = Some(folder.join(item.name()?));
     }
+    if let Some(item) = fields.take("set") {
+        let nodes = item.list()?.iter();
+        keys.set = nodes.map(golden_override).collect::<Result<_, _>>()?;
+    }
     Ok(keys)
+}
+
+/// An entry of `set`, which must be what `--set` takes.
+fn golden_override(node: &Node) -> Result<String, SceneError> {
+    let Value::String(text) = &node.value else {
+        let message = format!(
+            "an entry of `set` is {}; it must be a string such as \"bake.rays=128\"",
+            node.written
+        );
+        return Err(key_error(&node.place, message));
+    };
+    match Override::parse(text) {
+        Ok(_) => Ok(text.clone()),
+        Err(error) => Err(key_error(&node.place, error.to_string())),
+    }
 }
 
 fn pixel_limit(item: &Item) -> Result<PixelLimit, SceneError> {

@@ -298,7 +298,8 @@ fn render_bake_and_golden() {
     let document = with(
         "[render]\nbounces = \"all\"\nexposure = -2\ntone = \"filmic\"\nlight_samples = 4\n\
          [bake]\nmax_edge = 0.5\nvertices = 100\nrays = 64\nfunctions = 32\ncoefficients = 8\n\
-         [golden]\nmax_channel_difference = 2\nmax_differing_pixels = \"0.5 %\"\nmax_flip = 0.1\nmask = \"m.png\"\n",
+         [golden]\nmax_channel_difference = 2\nmax_differing_pixels = \"0.5 %\"\nmax_flip = 0.1\nmask = \"m.png\"\n\
+         set = [\"bake.rays=9\", \"render.tone=srgb\"]\n",
     )
     .unwrap();
     assert_eq!(document.render.bounces, Bounces::All);
@@ -313,6 +314,7 @@ fn render_bake_and_golden() {
         document.golden.mask.as_deref(),
         Some(Path::new("dir/m.png"))
     );
+    assert_eq!(document.golden.set, ["bake.rays=9", "render.tone=srgb"]);
     for (line, text) in [
         ("[render]\nbounces = -1", "0 to 10000, or \"all\""),
         ("[render]\nbounces = \"most\"", "or \"all\""),
@@ -324,6 +326,8 @@ fn render_bake_and_golden() {
         ("[bake]\nfixed_albedo = 1", "true or false"),
         ("[golden]\nmax_differing_pixels = \"101%\"", "share"),
         ("[golden]\nmax_flip = 2", "from 0 to 1"),
+        ("[golden]\nset = [\"bake.rays\"]", "must be PATH=VALUE"),
+        ("[golden]\nset = [3]", "must be a string"),
         ("render = 3", "unknown key `render`"),
         (
             "[[material]]\nname = \"a\"\nalbedo = [0, 0, 1.01]",
