@@ -155,17 +155,32 @@ fn apart(report: &Value, theirs: &[Option<f64>; 12]) -> [f64; 3] {
         let apart = (ours - theirs).abs();
         let mut found = [0.0; 3];
         match *key {
-            "flip_mean" => found[1] = apart / theirs.max(f64::MIN_POSITIVE),
+            "flip_mean" => found[1] = relative(apart, theirs),
             key if key.starts_with("flip") => found[2] = apart,
-            _ => found[0] = apart / theirs.abs().max(f64::MIN_POSITIVE),
+            _ => found[0] = relative(apart, theirs),
         }
         largest = larger_of(largest, found);
     }
     largest
 }
 
+/// A difference relative to a value; 0 of nothing from nothing.
+fn relative(apart: f64, value: f64) -> f64 {
+    if apart == 0.0 {
+        0.0
+    } else {
+        apart / value.abs()
+    }
+}
+
 fn larger_of(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    std::array::from_fn(|index| a[index].max(b[index]))
+    std::array::from_fn(|index| {
+        if a[index] > b[index] {
+            a[index]
+        } else {
+            b[index]
+        }
+    })
 }
 
 #[test]

@@ -5,6 +5,7 @@ use super::{
     pixels::{PixelDifference, PixelDifferences},
 };
 use crate::frame::{Development, EncodedImage, LoadedImage};
+use crate::maths::order::Order;
 use crate::scene::Tone;
 
 /// Between the panels, and where a panel is smaller than its neighbours.
@@ -111,7 +112,7 @@ fn colour(pixel: &PixelDifference, apart: [u8; 3], largest: u8, opaque: f64) -> 
     if pixel.largest.is_infinite() {
         return NOT_FINITE;
     }
-    let level = |share: f64| LEAST_LEVEL + (255.0 - LEAST_LEVEL) * share.min(1.0);
+    let level = |share: f64| LEAST_LEVEL + (255.0 - LEAST_LEVEL) * share.at_most(1.0);
     let least = if pixel.alpha > 0.0 {
         level(pixel.alpha / opaque) as u8
     } else if pixel.largest > 0.0 && apart == [0; 3] {

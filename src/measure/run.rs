@@ -16,7 +16,7 @@ use crate::report::Block;
 use crate::scene::Scene;
 use crate::surface::Surface;
 
-/// Up to so many vertices the rays of all rows are kept for the sweeps: 33 kB a
+/// Up to so many vertices the rays of all rows are kept for the sweeps: 49 kB a
 /// vertex.
 const KEPT_VERTICES: usize = 20_000;
 /// Beyond so many, the chapters of vertices and sweeps would take hours.

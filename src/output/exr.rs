@@ -191,6 +191,10 @@ fn metadata(attributes: &LayerAttributes) -> Metadata {
     if let Some(software) = &attributes.software_name {
         metadata.set(Metadata::SOFTWARE, software.to_string());
     }
+    #[expect(
+        clippy::disallowed_methods,
+        reason = "what the map holds is sorted before anyone sees it"
+    )]
     let own = attributes
         .other
         .iter()

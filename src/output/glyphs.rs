@@ -1,5 +1,6 @@
 //! The few letters of a legend, as lines.
 
+use crate::maths::order::Order;
 use tiny_skia::{Path, PathBuilder};
 
 /// Strokes of a letter, each from point to point, on a grid of 4 x 6: x to the
@@ -34,7 +35,7 @@ fn strokes(letter: char) -> Strokes {
 /// Width of a text, pixels, where a grid unit is `unit` pixels wide.
 pub(super) fn width(text: &str, unit: f32) -> f32 {
     let gap = ADVANCE - 4.0;
-    (text.chars().count() as f32 * ADVANCE - gap).max(0.0) * unit
+    (text.chars().count() as f32 * ADVANCE - gap).at_least(0.0) * unit
 }
 
 /// The lines of a text from its upper left corner; `None` for one without any.
