@@ -282,10 +282,10 @@ impl Entries {
 }
 
 /// Share of the components paid for that stand out of the noise of the rays, and
-/// share of all functions that a group of components lists: in cornell 0.68 and
-/// 0.34.
-const COMPONENTS_KEPT: f64 = 0.7;
-const LISTED_SHARE: f64 = 0.34;
+/// share of all functions that a group of components lists: in cornell 0.42 and
+/// 0.19.
+const COMPONENTS_KEPT: f64 = 0.45;
+const LISTED_SHARE: f64 = 0.19;
 
 /// Bytes of the published table, as [`super::paper::PaperRows::bytes`] counts
 /// them, of so many coefficients a vertex.

@@ -60,6 +60,15 @@ impl Matrix {
         padded
     }
 
+    fn first_columns(&self, columns: usize) -> Self {
+        let rows = self.values.chunks_exact(self.columns);
+        Self {
+            rows: self.rows,
+            columns,
+            values: rows.flat_map(|row| &row[..columns]).copied().collect(),
+        }
+    }
+
     fn times(&self, level: Level, block: &Self) -> Self {
         let mut out = Self::zero(self.rows, block.columns);
         multiply(
@@ -81,6 +90,8 @@ pub(super) struct Factors {
     pub(super) left: Matrix,
     /// Columns of Y x rank: the transpose of U^T Y.
     pub(super) right: Matrix,
+    /// What noise alone makes of `right`.
+    pub(super) noise_of_right: Matrix,
     /// What each component is worth: squared singular values, and once they are
     /// smoothed what is left of them without noise.
     pub(super) energies: Vec<f64>,
@@ -94,10 +105,12 @@ pub(super) fn factorise(
     noise: &Matrix,
     rank: usize,
 ) -> (Factors, Matrix) {
-    let factors = leading(level, y, rank);
+    let mut factors = leading(level, y, rank);
     if factors.energies.is_empty() {
         return (factors, Matrix::default());
     }
+    let of_right = noise.transposed().times(level, &factors.left.padded());
+    factors.noise_of_right = of_right.first_columns(factors.right.columns);
     let mut scaled = factors.right.clone();
     for row in scaled.values.chunks_exact_mut(scaled.columns) {
         for (value, &energy) in row.iter_mut().zip(&factors.energies) {
@@ -208,6 +221,7 @@ fn rotated(basis: &Block, right: &Matrix, rank: usize) -> Factors {
             values: turned,
         },
         energies: values.map(|&v| if v > 0.0 { v } else { 0.0 }).collect(),
+        noise_of_right: Matrix::default(),
     }
 }
 

@@ -23,6 +23,9 @@ const MORE_RANK: usize = 8;
 /// A function whose share of a partition's components is smaller is forgotten at
 /// once.
 const FORGOTTEN: f64 = 1e-7;
+/// Energy of entries of V over that of their noise, at least: below 2 there is
+/// more noise than light in them.
+const ENTRY_OVER_NOISE: f64 = 2.0;
 /// Areas are at least this share of the partition's mean: what a needle's tip
 /// receives matters to nobody, but has to be finite.
 const SMALLEST_AREA: f64 = 1e-6;
@@ -132,6 +135,7 @@ impl Job<'_> {
             let neighbours = Neighbours::of_part(self.graph, self.basis, part);
             smooth(&mut factors, &noise, &roots_of_area, &neighbours);
         }
+        leave_noise_out(&mut factors);
         let (factors, functions) = without_forgotten(factors, functions);
         let mut out = FoundPart {
             near: Vec::new(),
@@ -300,6 +304,25 @@ struct Scratch {
     /// Coefficients of a group, linear in the functions; zero between groups.
     coefficients: Vec<[f32; GROUP]>,
     sky: crate::bake::compress::Scratch,
+}
+
+/// Takes out of V what is mostly noise: of a function, its entries in a group of
+/// eight components, as they are listed together.
+fn leave_noise_out(factors: &mut Factors) {
+    let rank = factors.right.columns;
+    let energy = |entries: &[f32]| {
+        let squares = entries.iter().map(|&v| f64::from(v) * f64::from(v));
+        squares.sum::<f64>()
+    };
+    let noise = std::mem::take(&mut factors.noise_of_right);
+    let rows = factors.right.values.chunks_exact_mut(rank.max(1));
+    for (row, noise) in rows.zip(noise.values.chunks_exact(rank.max(1))) {
+        for (entries, noise) in row.chunks_mut(GROUP).zip(noise.chunks(GROUP)) {
+            if energy(entries) <= ENTRY_OVER_NOISE * energy(noise) {
+                entries.fill(0.0);
+            }
+        }
+    }
 }
 
 /// Drops the functions that hardly any component has.

@@ -88,7 +88,7 @@ fn component_group(
         .iter()
         .enumerate()
         .map(|(column, &k)| (k, row(column)))
-        .filter(|(_, lanes)| energy(lanes) >= threshold)
+        .filter(|(_, lanes)| energy(lanes) >= threshold && energy(lanes) > 0.0)
         .collect();
     let mut rows = GroupRows::default();
     for (_, lanes) in &kept {

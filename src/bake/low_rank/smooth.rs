@@ -221,6 +221,7 @@ fn sort_by_energy(factors: &mut Factors, energies: Vec<f64>) {
     };
     factors.left = sorted(&factors.left);
     factors.right = sorted(&factors.right);
+    factors.noise_of_right = sorted(&factors.noise_of_right);
     factors.energies = order.iter().map(|&component| energies[component]).collect();
 }
 
@@ -254,6 +255,7 @@ mod tests {
             right: column(&|_| 1.0),
             left: left.clone(),
             energies: vec![1.0],
+            noise_of_right: column(&|_| 0.0),
         };
         smooth(&mut factors, &sample, &[1.0; 200], &ring(count));
         let error = |found: &Matrix| {
