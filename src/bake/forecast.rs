@@ -284,7 +284,7 @@ impl Entries {
 /// Share of the components paid for that stand out of the noise of the rays, and
 /// share of all functions that a group of components lists: in cornell 0.42 and
 /// 0.19.
-const COMPONENTS_KEPT: f64 = 0.45;
+const COMPONENTS_KEPT: f64 = 0.3;
 const LISTED_SHARE: f64 = 0.19;
 
 /// Bytes of the published table, as [`super::paper::PaperRows::bytes`] counts

@@ -354,3 +354,36 @@ impl<'a> Places<'a> {
             .map_or(Vec3::NEG_Y, |&towards| -towards)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::sample_scenes::room_with_blocks;
+    use crate::surface::Detail;
+
+    #[test]
+    fn masses_are_what_vertices_hand_on() {
+        let scene = room_with_blocks(true, 0.5, 64);
+        let mut surface = Surface::fronts(&scene, &Detail::of_keys(&scene.bake));
+        let level = Level::detect();
+        surface.add_backs(&surface.visible_backs(level));
+        let places = Places::of(&surface, level);
+        let masses = places.masses();
+        let areas = surface.vertices.areas();
+        let handed_on = |v: usize| areas[v] * places.arrived[v];
+        let brightest = (0..masses.len()).max_by(|&a, &b| handed_on(a).total_cmp(&handed_on(b)));
+        let brightest = brightest.expect("the room has vertices");
+        let mut least_count = 0;
+        for (vertex, &mass) in masses.iter().enumerate() {
+            let share = mass / masses[brightest];
+            let expected = handed_on(vertex) / handed_on(brightest);
+            if mass == LEAST_MASS as f32 {
+                assert!(share >= expected, "vertex {vertex}");
+                least_count += 1;
+            } else {
+                assert!((share - expected).abs() < 1e-5, "vertex {vertex}");
+            }
+        }
+        assert!(least_count > 0, "the outsides of walls hand nothing on");
+    }
+}

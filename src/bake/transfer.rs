@@ -38,8 +38,8 @@ type Entries = Vec<(u32, [f32; GROUP])>;
 pub(crate) struct GroupTransfer {
     /// (sender, its T_ij per receiver), ascending by sender; senders are slots.
     pub(crate) entries: Vec<(u32, [f32; GROUP])>,
-    /// What the first half of the rays found of each entry, less what the second
-    /// half found: as noisy as the entries, and nothing else.
+    /// Half the difference of each entry between the first and the second half of
+    /// the rays: noise like that of the entries, and nothing else.
     pub(crate) noise: Vec<[f32; GROUP]>,
     /// r_i: share of the receiver's rays that arrived at a vertex.
     pub(crate) arrived: [f64; GROUP],
@@ -335,5 +335,41 @@ fn add_sky(
         for &(_, cell) in escapes {
             scratch.cells.add(u32::from(cell), lane, 1.0, true);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::sample_scenes::room_with_blocks;
+    use crate::surface::Detail;
+
+    #[test]
+    fn only_rows_that_see_nothing_stop_early() {
+        let scene = room_with_blocks(true, 0.5, 64);
+        let mut surface = Surface::fronts(&scene, &Detail::of_keys(&scene.bake));
+        let level = Level::detect();
+        surface.add_backs(&surface.visible_backs(level));
+        let count = surface.vertices.len();
+        let slots: Vec<u32> = (0..count as u32).collect();
+        let sampling = Sampling {
+            surface: &surface,
+            level,
+            slot_of_vertex: &slots,
+            rays: 4 * RAYS_INTO_NOTHING,
+        };
+        let mut scratch = Scratch::new(count);
+        let mut stopped = 0;
+        for vertex in slots.iter().copied() {
+            let counts = sample_row(&sampling, vertex, 0, &mut scratch);
+            if counts.traced == sampling.rays {
+                assert!(counts.escaped < counts.traced, "vertex {vertex}");
+            } else {
+                let nothing = (RAYS_INTO_NOTHING, RAYS_INTO_NOTHING);
+                assert_eq!((counts.traced, counts.escaped), nothing, "vertex {vertex}");
+                stopped += 1;
+            }
+        }
+        assert!(0 < stopped && stopped < count, "{stopped} of {count}");
     }
 }

@@ -110,18 +110,13 @@ fn counted(count: u64, one: &str, many: &str) -> String {
 }
 
 impl Limits {
-    /// The limits of a scene's `[golden]`. A key that is 0 is taken as absent,
-    /// since 0 is what an absent one is.
+    /// The limits of a scene's `[golden]`: those of its keys that are given, 0 or
+    /// not.
     pub fn of_keys(keys: &GoldenKeys) -> Self {
-        let given = |value: f64| (value > 0.0).then_some(value);
-        let allows_none = match keys.max_differing_pixels {
-            PixelLimit::Count(count) => count == 0,
-            PixelLimit::Share(share) => share <= 0.0,
-        };
         Self {
-            max_channel_difference: given(keys.max_channel_difference),
-            max_differing_pixels: (!allows_none).then_some(keys.max_differing_pixels),
-            max_flip: given(keys.max_flip),
+            max_channel_difference: keys.max_channel_difference,
+            max_differing_pixels: keys.max_differing_pixels,
+            max_flip: keys.max_flip,
         }
     }
 
@@ -139,9 +134,10 @@ impl Limits {
 
     /// Pixels of so many that may be beyond the limit on channels.
     fn allowed_pixels(&self, compared: u64) -> u64 {
-        match self.max_differing_pixels.unwrap_or_default() {
-            PixelLimit::Count(count) => u64::from(count),
-            PixelLimit::Share(share) => (share * compared as f64).floor() as u64,
+        match self.max_differing_pixels {
+            None => 0,
+            Some(PixelLimit::Count(count)) => u64::from(count),
+            Some(PixelLimit::Share(share)) => (share * compared as f64).floor() as u64,
         }
     }
 

@@ -96,17 +96,19 @@ fn limits_combine_as_they_say() {
 }
 
 #[test]
-fn keys_that_are_zero_are_absent() {
+fn a_key_that_is_zero_is_a_limit() {
     assert_eq!(Limits::of_keys(&GoldenKeys::default()), Limits::default());
     let keys = GoldenKeys {
-        max_channel_difference: 2.0,
-        max_differing_pixels: PixelLimit::Share(0.5),
+        max_channel_difference: Some(0.0),
+        max_flip: Some(0.9),
         ..GoldenKeys::default()
     };
     let limits = Limits::of_keys(&keys);
-    assert_eq!(limits.max_channel_difference, Some(2.0));
-    assert_eq!(limits.max_differing_pixels, Some(PixelLimit::Share(0.5)));
-    assert_eq!(limits.max_flip, None);
+    assert_eq!(limits.max_channel_difference, Some(0.0));
+    assert_eq!(limits.max_differing_pixels, None);
+    let judged = measured(&pair(), &limits, None);
+    let failed: Vec<&str> = judged.failures.iter().map(Failure::limit).collect();
+    assert_eq!(failed, ["max_channel_difference"], "FLIP alone would pass");
 }
 
 #[test]

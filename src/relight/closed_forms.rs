@@ -78,7 +78,7 @@
 //! | albedo edit | `an_edited_albedo_gives_the_frame_of_a_fresh_scene_without_a_bake` |
 //! | negative light | `light_below_zero_reaches_no_pixel_and_is_counted` |
 //! | ... reported | `pixels_below_zero_are_reported` |
-//! | threads, levels | `threads_instructions_and_cache_change_no_bit` |
+//! | threads, levels | `tiny` |
 //! | another renderer | `relume_agrees_with_mitsuba` |
 
 mod area;

@@ -2,17 +2,17 @@
 
 use std::path::PathBuf;
 
-/// `[golden]`: how far a frame may be from its golden image, all 0 by default,
-/// and with what the frame for it is drawn.
+/// `[golden]`: how far a frame may be from its golden image, not at all by
+/// default, and with what the frame for it is drawn.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct GoldenKeys {
     /// Largest difference of a channel: 8-bit levels for PNG, linear values
     /// for EXR.
-    pub max_channel_difference: f64,
+    pub max_channel_difference: Option<f64>,
     /// Most pixels that may differ by more than that.
-    pub max_differing_pixels: PixelLimit,
+    pub max_differing_pixels: Option<PixelLimit>,
     /// Largest mean FLIP error, 0 to 1.
-    pub max_flip: f64,
+    pub max_flip: Option<f64>,
     /// Image of levels that are allowed a pixel, resolved against the scene
     /// file's folder.
     pub mask: Option<PathBuf>,
@@ -28,10 +28,4 @@ pub enum PixelLimit {
     Count(u32),
     /// A share of the picture, 0 to 1.
     Share(f64),
-}
-
-impl Default for PixelLimit {
-    fn default() -> Self {
-        Self::Count(0)
-    }
 }

@@ -234,23 +234,28 @@ mod tests {
     /// is what two power steps leave of the last wanted component.
     const EXACT: f32 = 1e-4;
 
-    #[test]
-    fn a_matrix_of_rank_five_is_found_whole() {
-        let (rows, columns, rank) = (60, 90, 5);
+    /// A matrix whose five singular values fall off by about four each.
+    fn of_rank_five(rows: usize, columns: usize) -> Matrix {
         let entry = |i: usize, k: usize| {
-            (0..rank).fold(0.0, |sum, r| {
+            (0..5).fold(0.0, |sum, r| {
                 let scale = 1.0 / (1 << (2 * r)) as f32;
                 let a = uniform(1, i as u32, r as u32) - 0.5;
                 let b = uniform(2, k as u32, r as u32) - 0.5;
                 sum + scale * a * b
             })
         };
-        let mut y = Matrix::zero(rows, columns);
-        for i in 0..rows {
-            for k in 0..columns {
-                y.values[i * columns + k] = entry(i, k);
-            }
+        let places = (0..rows).flat_map(|i| (0..columns).map(move |k| (i, k)));
+        Matrix {
+            rows,
+            columns,
+            values: places.map(|(i, k)| entry(i, k)).collect(),
         }
+    }
+
+    #[test]
+    fn a_matrix_of_rank_five_is_found_whole() {
+        let (rows, columns, rank) = (60, 90, 5);
+        let y = of_rank_five(rows, columns);
         let factors = leading(Level::detect(), &y, rank);
         assert!(factors.energies.is_sorted_by(|a, b| a >= b));
         for i in 0..rows {
@@ -258,13 +263,28 @@ mod tests {
                 let product: f32 = (0..rank)
                     .map(|r| factors.left.row(i)[r] * factors.right.row(k)[r])
                     .sum();
-                let difference = (product - entry(i, k)).abs();
+                let difference = (product - y.row(i)[k]).abs();
                 assert!(difference < EXACT, "{i} {k}: {difference}");
             }
         }
         let all: f64 = y.values.iter().map(|&v| f64::from(v) * f64::from(v)).sum();
         let found: f64 = factors.energies.iter().sum();
         assert!((found / all - 1.0).abs() < 1e-5, "{found} of {all}");
+    }
+
+    #[test]
+    fn noise_goes_the_way_of_the_matrix() {
+        let y = of_rank_five(24, 40);
+        let (factors, noise) = factorise(Level::detect(), &y, &y, 4);
+        let close = |a: &Matrix, b: &Matrix, columns: usize| {
+            for row in 0..a.rows {
+                for (a, b) in a.row(row)[..columns].iter().zip(b.row(row)) {
+                    assert!((a - b).abs() < 0.01, "{a} {b}");
+                }
+            }
+        };
+        close(&noise, &factors.left, 4);
+        close(&factors.noise_of_right, &factors.right, 4);
     }
 
     #[test]

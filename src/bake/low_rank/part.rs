@@ -23,8 +23,9 @@ const MORE_RANK: usize = 8;
 /// A function whose share of a partition's components is smaller is forgotten at
 /// once.
 const FORGOTTEN: f64 = 1e-7;
-/// Energy of entries of V over that of their noise, at least: below 2 there is
-/// more noise than light in them.
+/// Energy of entries of V over that of the sample of their noise, at least. Bytes a
+/// vertex and error of one bounce in per cent without this and with it: cornell 130
+/// and 86, 1.31 and 1.37; window 211 and 101, 2.42 and 2.75.
 const ENTRY_OVER_NOISE: f64 = 2.0;
 /// Areas are at least this share of the partition's mean: what a needle's tip
 /// receives matters to nobody, but has to be finite.
@@ -351,4 +352,26 @@ fn without_forgotten(factors: Factors, functions: Vec<u32>) -> (Factors, Vec<u32
         }
     }
     (Factors { right, ..factors }, kept)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn entries_that_are_mostly_noise_go_by_the_group() {
+        let row = |values: [f32; 10]| Matrix {
+            rows: 1,
+            columns: 10,
+            values: values.to_vec(),
+        };
+        let mut factors = Factors {
+            right: row([1.0, 0.1, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.5, 0.5]),
+            noise_of_right: row([0.1, 0.1, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.5, 0.4]),
+            ..Factors::default()
+        };
+        leave_noise_out(&mut factors);
+        assert_eq!(factors.right.values[..2], [1.0, 0.1], "one that stands out");
+        assert_eq!(factors.right.values[8..], [0.0, 0.0]);
+    }
 }

@@ -54,7 +54,7 @@ fn block_means(image: &Image) -> Vec<Vec3> {
 
 #[test]
 fn a_room_looks_the_same_anywhere_and_at_any_size() {
-    let mut scene = room_with_blocks(true, 0.15, 512);
+    let mut scene = room_with_blocks(true, 0.15, 1024);
     scene.lights = vec![point_light(DVec3::new(0.2, 0.7, 0.5), 2.0)];
     let home = block_means(&picture(scene.clone()));
     let mean = home.iter().map(|p| p.x).sum::<f32>() / home.len() as f32;

@@ -177,13 +177,13 @@ pub(crate) fn golden(mut fields: Fields, folder: &Path) -> Result<GoldenKeys, Sc
     fields.allow(&GOLDEN)?;
     let mut keys = GoldenKeys::default();
     if let Some(item) = fields.take("max_channel_difference") {
-        keys.max_channel_difference = item.number(0.0..=LARGEST, "of at least 0")?;
+        keys.max_channel_difference = Some(item.number(0.0..=LARGEST, "of at least 0")?);
     }
     if let Some(item) = fields.take("max_differing_pixels") {
-        keys.max_differing_pixels = pixel_limit(&item)?;
+        keys.max_differing_pixels = Some(pixel_limit(&item)?);
     }
     if let Some(item) = fields.take("max_flip") {
-        keys.max_flip = item.number(0.0..=1.0, "from 0 to 1")?;
+        keys.max_flip = Some(item.number(0.0..=1.0, "from 0 to 1")?);
     }
     if let Some(item) = fields.take("mask") {
         keys.mask = Some(folder.join(item.name()?));

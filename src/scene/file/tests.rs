@@ -56,7 +56,7 @@ fn defaults() {
     assert_eq!(document.render.tone, Tone::Srgb);
     assert_eq!(document.render.light_samples, 16);
     assert_eq!(document.bake.rays, None);
-    assert_eq!(document.golden.max_differing_pixels, PixelLimit::Count(0));
+    assert_eq!(document.golden.max_differing_pixels, None);
     assert!(document.lights.is_empty() && document.warnings.is_empty());
 }
 
@@ -308,7 +308,7 @@ fn render_bake_and_golden() {
     assert_eq!(document.bake.max_edge, Some(0.5));
     assert_eq!(
         document.golden.max_differing_pixels,
-        PixelLimit::Share(0.005)
+        Some(PixelLimit::Share(0.005))
     );
     assert_eq!(
         document.golden.mask.as_deref(),
