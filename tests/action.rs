@@ -8,7 +8,7 @@ use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use program::{Finished, SMALL_BAKE, SMALL_FRAME, relume, run, scene, succeed, temporary_folder};
+use program::{SMALL_BAKE, SMALL_FRAME, only_bake, relume, run, scene, succeed, temporary_folder};
 
 fn action() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join(".github/action")
@@ -114,6 +114,38 @@ fn the_action_does_nothing_beside_the_script() {
     assert_eq!(steps, expected);
 }
 
+/// A check that fails keeps the program that was built for it, and its bakes.
+#[test]
+fn what_was_made_is_saved_whatever_the_check_says() {
+    let yaml = fs::read_to_string(action().join("action.yml")).expect("the action is there");
+    let word = |line: &str| {
+        let (_, what) = line
+            .split_once("uses: ")
+            .or(line.split_once("steps.sh\" "))?;
+        Some(what.trim_end_matches('\'').to_owned())
+    };
+    let order: Vec<String> = yaml.lines().filter_map(word).collect();
+    let [restore, save] = ["actions/cache/restore@v4", "actions/cache/save@v4"];
+    let upload = "actions/upload-artifact@v4";
+    let expected = [
+        "keys", restore, "build", save, restore, "check", save, upload,
+    ];
+    assert_eq!(order, expected);
+    let (_, after_check) = yaml.split_once("steps.sh\" check").expect("it checks");
+    let conditions = after_check.lines().filter(|line| line.contains("if: "));
+    assert_eq!(
+        conditions
+            .map(|line| line.contains("if: !cancelled()"))
+            .collect::<Vec<_>>(),
+        [true, true],
+        "saved and uploaded"
+    );
+    for name in ["program", "bakes"] {
+        let key = format!("key: ${{{{ steps.{name}.outputs.cache-primary-key }}}}");
+        assert!(yaml.contains(&key), "{name} is saved under its own key");
+    }
+}
+
 #[test]
 fn a_program_is_built_once_from_the_actions_own_checkout() {
     let folder = temporary_folder();
@@ -146,37 +178,19 @@ fn a_program_is_built_once_from_the_actions_own_checkout() {
     assert!(folder.path().join("runner/relume/release/relume").exists());
 }
 
-/// `check` with the program's own command, or with a script in its place where
-/// the program has none: what arrives there, and what comes back.
 #[test]
 fn a_check_passes_its_paths_and_its_exit_code_on() {
     let folder = temporary_folder();
     box_with_golden(folder.path());
-    let check = |program: &Path| -> Finished {
+    let check = || {
         let mut check = step("check", folder.path());
-        check.env("PATHS", "cornell.toml").env("REPORT", "report");
-        run(check.env("RELUME", program))
+        run(check.env("PATHS", "cornell.toml").env("REPORT", "report"))
     };
-    let stub = folder.path().join("stub");
-    let real = Path::new(env!("CARGO_BIN_EXE_relume"));
-    let is_there = run(&mut relume(&["golden", "check", "--help"])).exit_code == Some(0);
-    write_script(
-        &stub,
-        "echo \"$@\"\ngrep -q '3.3, 2.9, 2.3' cornell.toml || exit 1\n\
-         mkdir -p report && echo {} >report/summary.json",
-    );
-    let program = if is_there { real } else { &stub };
-    let fine = check(program);
+    let fine = check();
     assert_eq!(fine.exit_code, Some(0), "{fine:?}");
+    assert!(fine.stdout.contains("1 scene, all pass"), "{fine:?}");
     assert!(folder.path().join("report/summary.json").exists());
-    if !is_there {
-        let bakes = folder.path().join("runner/relume/bakes");
-        let expected = format!(
-            "golden check cornell.toml -o report --cache-dir {}",
-            bakes.display()
-        );
-        assert_eq!(fine.stdout.trim(), expected);
-    }
+    only_bake(&folder.path().join("runner/relume/bakes"));
     let file = folder.path().join("cornell.toml");
     let text = fs::read_to_string(&file).expect("the scene is text");
     let intensity = text
@@ -188,7 +202,7 @@ fn a_check_passes_its_paths_and_its_exit_code_on() {
         text.replace(intensity, "intensity = [1.0, 1.0, 1.0]"),
     )
     .expect("written");
-    let failed = check(program);
+    let failed = check();
     assert_eq!(failed.exit_code, Some(1), "{failed:?}");
 }
 

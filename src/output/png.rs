@@ -95,7 +95,9 @@ fn is_whole(bytes: &[u8]) -> bool {
     let mut rest = bytes.get(START..).unwrap_or_default();
     while let Some((length, chunk)) = rest.split_first_chunk::<4>() {
         let is_last = chunk.starts_with(b"IEND");
-        let Some(next) = rest.get(AROUND + u32::from_be_bytes(*length) as usize..) else {
+        // A length near 2^32 does not fit where an address has 32 bits.
+        let end = AROUND.checked_add(u32::from_be_bytes(*length) as usize);
+        let Some(next) = end.and_then(|end| rest.get(end..)) else {
             return false;
         };
         if is_last {

@@ -296,6 +296,62 @@ fn hostile_names_break_no_report() {
         "{job}"
     );
     assert!(!job.contains("| `e`"), "{job}");
+
+    // A line that looks like a command of a workflow would be obeyed.
+    let command = "::error::boo";
+    let scene = scene_text("1.0");
+    for (path, text) in [
+        (format!("scenes/n\n{command}.toml"), scene.clone()),
+        (format!("{command}.toml"), "mesh = 3".to_owned()),
+        ("scenes/##[error]boo.toml".to_owned(), scene.clone()),
+        (
+            "scenes/key.toml".to_owned(),
+            format!("\"a\\n{command}\" = 1\n{scene}"),
+        ),
+    ] {
+        suite.write(&path, &text);
+    }
+    let stray = suite.at(&format!("golden/scenes/s\n{command}.png"));
+    fs::copy(suite.at(&format!("golden/scenes/{name}.png")), stray).unwrap();
+    assert_says_no_command(
+        &mut suite.command("check", &[]),
+        2,
+        r"key `a\n::error::boo`",
+    );
+    assert_says_no_command(&mut suite.command("check", &[]), 2, r"bless $'scenes/\043");
+    assert_says_no_command(
+        &mut suite.command("bless", &[]),
+        2,
+        r"scenes/n\n::error::boo.png",
+    );
+    let absent = format!("l\n{command}");
+    assert_says_no_command(
+        &mut suite.command("check", &[&absent]),
+        3,
+        r"l\n::error::boo",
+    );
+    fs::create_dir(suite.at(&absent)).unwrap();
+    assert_says_no_command(
+        &mut suite.command("bless", &[&absent]),
+        2,
+        r"l\n::error::boo",
+    );
+}
+
+/// Runs a command of which no line may be one of a workflow, but for the
+/// annotations that `check` makes itself.
+#[cfg(unix)]
+fn assert_says_no_command(command: &mut std::process::Command, exit_code: i32, says: &str) {
+    let finished = run(command.env("GITHUB_ACTIONS", "true"));
+    assert_eq!(finished.exit_code, Some(exit_code), "{finished:#?}");
+    let text = format!("{}\n{}", finished.stdout, finished.stderr);
+    assert!(text.contains(says), "{says}: {finished:#?}");
+    for line in text.split(['\n', '\r']).map(str::trim_start) {
+        let is_annotation =
+            line.starts_with("::error file=") || line.starts_with("::warning file=");
+        let is_command = line.starts_with("::") || line.contains("##[");
+        assert!(is_annotation || !is_command, "{line:?}: {finished:#?}");
+    }
 }
 
 #[test]

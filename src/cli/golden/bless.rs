@@ -5,10 +5,10 @@ use serde_json::json;
 
 use super::arguments::{Bless, GoldenFormat};
 use super::check::stray_text;
-use super::{check_all, counted, exit_code, suite, text_of};
+use super::github::printable;
+use super::{check_all, counted, exit_code, suite, text_of, warn};
 use crate::cli::error::CliError;
 use crate::cli::report::Report;
-use crate::cli::run::warn;
 
 /// Set by all common CI services.
 const CI: &str = "CI";
@@ -57,8 +57,9 @@ impl Done {
         let verdict = one.verdict.name();
         let (problems, code) = match one.bless() {
             Ok(true) => {
+                let shown = printable(&golden);
                 self.text
-                    .push_str(&format!("written  {golden} (was: {verdict})\n"));
+                    .push_str(&format!("written  {shown} (was: {verdict})\n"));
                 let entry = json!({ "scene": scene, "golden": golden, "was": verdict });
                 self.blessed.push(entry);
                 return;
@@ -68,8 +69,9 @@ impl Done {
             Err(error) => (vec![error.with_causes()], 3),
         };
         self.text.push_str(&format!(
-            "refused  {scene}\n         {}\n",
-            problems.join("; ")
+            "refused  {}\n         {}\n",
+            printable(&scene),
+            printable(&problems.join("; "))
         ));
         let entry =
             json!({ "scene": scene, "golden": golden, "verdict": verdict, "problems": problems });

@@ -9,10 +9,10 @@ use relume::{OutputError, write_folder};
 use serde_json::Value;
 
 use super::arguments::Check;
-use super::{check_all, counted, exit_code, github, suite, summary, text_of};
+use super::github::printable;
+use super::{check_all, counted, exit_code, github, suite, summary, text_of, warn};
 use crate::cli::error::CliError;
 use crate::cli::report::Report;
-use crate::cli::run::warn;
 
 /// The report for programs.
 const SUMMARY: &str = "summary.json";
@@ -62,7 +62,7 @@ fn check_output(output: &Path, suite: &Suite) -> Result<(), CliError> {
         if golden.ancestors().any(is_among) {
             return Err(CliError::Usage(format!(
                 "{}: lies among goldens; write the report elsewhere",
-                output.display()
+                printable(&text_of(output))
             )));
         }
     }
@@ -132,7 +132,7 @@ fn text(checked: &[Checked], arguments: &Check) -> String {
     text.push_str(&format!(
         "{}, {verdict}; report: {}",
         counted(checked.len(), "scene"),
-        arguments.output.join(PAGE).display()
+        printable(&text_of(&arguments.output.join(PAGE)))
     ));
     let blessable = failed.iter().filter(|it| it.candidate.is_some());
     let scenes: Vec<String> = blessable.map(|it| quoted(it.scene.scene())).collect();
@@ -148,9 +148,10 @@ fn text(checked: &[Checked], arguments: &Check) -> String {
 
 fn lines(checked: &Checked) -> String {
     let verdict = &checked.verdict;
-    let mut line = format!("{:8} {}", word(verdict), checked.scene.scene().display());
+    let scene = printable(&text_of(checked.scene.scene()));
+    let mut line = format!("{:8} {scene}", word(verdict));
     for problem in verdict.problems() {
-        line.push_str(&format!("\n         {problem}"));
+        line.push_str(&format!("\n         {}", printable(&problem)));
     }
     if let Verdict::Differs { judgement, .. } = verdict
         && let Some(measured) = judgement.measured()
@@ -186,12 +187,20 @@ fn options(arguments: &Check) -> String {
     text
 }
 
-/// A word as a POSIX shell takes it.
+/// A word as a POSIX shell takes it; what must not be printed is written in
+/// octal, which shells know since POSIX.1-2024 and bash always did.
 fn quoted(path: &Path) -> String {
     let text = text_of(path);
     let is_plain = |c: char| c.is_ascii_alphanumeric() || "_-./=,:+@".contains(c);
     if !text.is_empty() && text.chars().all(is_plain) {
         return text;
+    }
+    if printable(&text) != text {
+        let octal = |byte: u8| match char::from(byte) {
+            letter if is_plain(letter) => letter.to_string(),
+            _ => format!("\\{byte:03o}"),
+        };
+        return format!("$'{}'", text.bytes().map(octal).collect::<String>());
     }
     format!("'{}'", text.replace('\'', r"'\''"))
 }

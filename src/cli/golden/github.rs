@@ -8,8 +8,8 @@ use std::path::{Path, PathBuf};
 use relume::golden::Checked;
 
 use super::check::stray_text;
-use super::text_of;
-use crate::cli::run::{say, warn};
+use super::{text_of, warn};
+use crate::cli::run::say;
 
 /// Says the verdicts as GitHub reads them, where it does. Annotations go to
 /// standard error, of which GitHub reads them as well: standard output may have
@@ -122,6 +122,27 @@ fn plain(text: &str) -> String {
     plain
 }
 
+/// A text as it may stand in a line of the log, where GitHub obeys what looks
+/// like a command of a workflow: names and keys come from whoever wrote the
+/// scenes. A command is what begins a line with `::`, blanks aside, or has `##[`
+/// anywhere (`ActionCommand.cs` of actions/runner); and control characters would
+/// begin a line. These become escapes as Rust and, nearly, TOML write them.
+pub(super) fn printable(text: &str) -> String {
+    let mut printable = String::with_capacity(text.len());
+    for (place, letter) in text.char_indices() {
+        let (before, rest) = text.split_at(place);
+        let begins_line = before.trim_start().is_empty() && rest.starts_with("::");
+        if letter.is_control() {
+            printable.extend(letter.escape_default());
+        } else if begins_line || rest.starts_with("##[") {
+            printable.extend(letter.escape_unicode());
+        } else {
+            printable.push(letter);
+        }
+    }
+    printable
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -131,5 +152,13 @@ mod tests {
         assert_eq!(property("a:b,c%\nd"), "a%3Ab%2Cc%25%0Ad");
         assert_eq!(data("50%: a\r\nb"), "50%25: a%0D%0Ab");
         assert_eq!(plain("a|b <i>`x`\n"), "a&#124;b &#60;i&#62;&#96;x&#96; ");
+    }
+
+    #[test]
+    fn no_text_is_a_command() {
+        assert_eq!(printable("a::b #[c] ## é"), "a::b #[c] ## é");
+        assert_eq!(printable("a\n::b\r\u{1b}"), r"a\n::b\r\u{1b}");
+        assert_eq!(printable(" ::b::c"), r" \u{3a}:b::c");
+        assert_eq!(printable("a ###[b]"), r"a #\u{23}#[b]");
     }
 }

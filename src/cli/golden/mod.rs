@@ -8,15 +8,16 @@ mod summary;
 
 use std::path::Path;
 
-use relume::golden::{Checked, DrawSettings, GoldenScene, Suite, Verdict, find};
+use relume::golden::{Checked, DrawSettings, FindError, GoldenScene, Suite, Verdict, find};
 use relume::{Override, SceneError};
 
 use super::error::CliError;
 use super::report::Report;
-use super::run::{Bar, cache_folder, run_job, warn};
+use super::run::{self, Bar, cache_folder, run_job};
 use super::signals;
 pub(super) use arguments::Golden;
 use arguments::SuiteArguments;
+use github::printable;
 
 pub(super) fn execute(arguments: &Golden) -> Result<Report, CliError> {
     match arguments {
@@ -27,9 +28,13 @@ pub(super) fn execute(arguments: &Golden) -> Result<Report, CliError> {
 
 /// The scenes of a suite, of which there must be one.
 fn suite(arguments: &SuiteArguments) -> Result<Suite, CliError> {
-    let suite = find(&arguments.paths)?;
+    let suite = find(&arguments.paths).map_err(|error| FindError {
+        // It may be one that was found below those that were given.
+        path: printable(&text_of(&error.path)).into(),
+        ..error
+    })?;
     if suite.scenes.is_empty() {
-        let paths = arguments.paths.iter().map(|it| it.display().to_string());
+        let paths = arguments.paths.iter().map(|it| printable(&text_of(it)));
         return Err(CliError::Usage(format!(
             "there is no scene below {}; a scene is a .toml file that sets `mesh`",
             paths.collect::<Vec<_>>().join(" and ")
@@ -53,7 +58,7 @@ fn check_all(
     let mut checked = Vec::with_capacity(count);
     for (index, scene) in scenes.into_iter().enumerate() {
         let name = scene.scene().display().to_string();
-        let bar = Bar::of_job(&format!("{}/{count} {name} ", index + 1));
+        let bar = Bar::of_job(&format!("{}/{count} {} ", index + 1, printable(&name)));
         let mut one = run_job(&arguments.run, bar, |run| {
             scene.check(&settings, run).map_err(|_| CliError::Stopped)
         })?;
@@ -83,6 +88,11 @@ fn exit_code(verdict: &Verdict) -> u8 {
         Verdict::Differs { .. } | Verdict::Missing | Verdict::Faulty(_) => 1,
         Verdict::Golden(error) | Verdict::Scene(error) => 2 + u8::from(error.is_io()),
     }
+}
+
+/// Says warnings, of which each stays one line.
+fn warn(warnings: Vec<String>) {
+    run::warn(warnings.iter().map(|it| printable(it)).collect());
 }
 
 fn text_of(path: &Path) -> String {
