@@ -48,10 +48,20 @@ pub(super) fn execute(arguments: &Diff) -> Result<Report, CliError> {
     })
 }
 
-/// Refuses, before any work, pictures that are not called PNG.
+/// Refuses, before any work, pictures that are not called PNG, and those that
+/// would take the place of an image that is read or of each other.
 fn check_pictures(arguments: &Diff) -> Result<(), CliError> {
     let pictures = [&arguments.strip, &arguments.heatmap];
+    let mut taken: Vec<&Path> = vec![&arguments.reference, &arguments.candidate];
+    taken.extend(arguments.mask.as_deref());
     for path in pictures.into_iter().flatten() {
+        if taken.iter().any(|other| are_one_file(other, path)) {
+            return Err(CliError::Usage(format!(
+                "{}: would be written over another image of this comparison; choose another name",
+                path.display()
+            )));
+        }
+        taken.push(path);
         if !path
             .extension()
             .is_some_and(|e| e.eq_ignore_ascii_case("png"))
@@ -63,6 +73,11 @@ fn check_pictures(arguments: &Diff) -> Result<(), CliError> {
         }
     }
     Ok(())
+}
+
+/// Whether two paths name one file, there or not.
+fn are_one_file(a: &Path, b: &Path) -> bool {
+    a == b || matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b)
 }
 
 fn read_mask(path: &Path) -> Result<Mask, CliError> {

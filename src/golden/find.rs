@@ -83,6 +83,7 @@ impl Search {
         let mut folders: Vec<PathBuf> = files
             .iter()
             .flat_map(|file| file.ancestors())
+            .filter(|it| it.starts_with(path))
             .filter(|it| it.file_name().is_some_and(|name| name == FOLDER))
             .map(Path::to_owned)
             .collect();

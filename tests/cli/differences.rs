@@ -243,6 +243,12 @@ fn pictures_of_a_difference_are_written() {
     let finished = diff(&reference, &reference, &["--strip", "strip.exr"]);
     assert_eq!(finished.exit_code, Some(2), "{finished:#?}");
     assert!(finished.stderr.contains("use .png"), "{finished:#?}");
+    let before = fs::read(&reference).expect("the picture can be read");
+    let own = reference.to_str().expect("the path is text");
+    let finished = diff(&reference, &reference, &["--strip", own]);
+    assert_eq!(finished.exit_code, Some(2), "{finished:#?}");
+    let after = fs::read(&reference).expect("the picture can be read");
+    assert!(before == after, "what is compared is not written over");
     let finished = diff(&reference, &reference, &["--strip", "no/folder/x.png"]);
     assert_eq!(finished.exit_code, Some(3), "{finished:#?}");
 }
