@@ -51,6 +51,11 @@ impl PassingLimits {
         self.sets("\n", |name, value| format!("{name} = {value}"))
     }
 
+    /// All sets of keys in one line of text.
+    pub fn keys_text(&self) -> String {
+        self.keys().join(", or ").replace('\n', " and ")
+    }
+
     fn sets(&self, separator: &str, one: impl Fn(&str, String) -> String) -> Vec<String> {
         let channel = |value| one("max_channel_difference", value);
         let pixels = |count: u64| one("max_differing_pixels", count.to_string());

@@ -181,13 +181,11 @@ impl Expected {
             return Err(GoldenError::Missing { golden, actual });
         };
         let (judgement, expected, mask) = compared?;
-        let passing = judgement
-            .measured()
-            .map(|it| it.passing.keys().join(", or "));
+        let passing = judgement.measured().map(|it| it.passing.keys_text());
         Err(GoldenError::Differs {
             golden,
             failures: judgement.failures(),
-            passing: passing.map_or("no limit".to_owned(), |keys| keys.replace('\n', " and ")),
+            passing: passing.unwrap_or_else(|| "no limit".to_owned()),
             strip: self.write(&strip(&expected, actual, mask.as_ref()), "strip")?,
         })
     }

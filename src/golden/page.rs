@@ -135,7 +135,7 @@ fn failure(checked: &Checked, name: &str) -> Result<Section, PageError> {
         ));
     };
     if let Judgement::Measured(measured) = judgement {
-        let keys = measured.passing.keys().join(", or ").replace('\n', " and ");
+        let keys = measured.passing.keys_text();
         paragraphs.push(format!("It would pass with {keys} in [golden]."));
     }
     let mut blocks = Vec::new();

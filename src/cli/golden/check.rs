@@ -156,7 +156,7 @@ fn lines(checked: &Checked) -> String {
     if let Verdict::Differs { judgement, .. } = verdict
         && let Some(measured) = judgement.measured()
     {
-        let keys = measured.passing.keys().join(", or ").replace('\n', " and ");
+        let keys = measured.passing.keys_text();
         line.push_str(&format!("\n         would pass with {keys} in [golden]"));
     }
     line + "\n"
