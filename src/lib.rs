@@ -21,6 +21,7 @@
 //! | `output` | PNG and EXR files, heat maps, folders of files |
 //! | `golden` | scenes and frames held against golden images, and the report on it |
 //! | `measure` | how long frames take, and how wrong they are for it |
+//! | `preview` | the interactive terminal program |
 //!
 //! ```no_run
 //! use relume::{FrameSettings, Renderer, RunSettings, Scene};
@@ -40,6 +41,7 @@ pub mod golden;
 mod maths;
 pub mod measure;
 mod output;
+pub mod preview;
 pub mod reference;
 mod relight;
 pub mod report;

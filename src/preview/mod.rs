@@ -1,0 +1,1 @@
+//! The interactive terminal program: a scene is lit by hand in a terminal.
