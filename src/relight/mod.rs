@@ -13,8 +13,10 @@ mod closed_forms;
 mod colours;
 mod component;
 mod description;
+mod frame;
 mod geometry;
 mod kept;
+mod lit_sites;
 mod outlook;
 mod paint;
 mod palette;
@@ -22,6 +24,7 @@ mod raster;
 mod reach;
 mod renderer;
 mod shade;
+mod sites;
 mod stages;
 
 pub use basis_view::BasisFunctionError;
@@ -30,8 +33,7 @@ pub(crate) use bounces::Transport;
 pub(crate) use colours::VertexColours;
 pub use component::{BasisFunction, COMPONENTS, Component, ComponentError};
 pub use description::{bounces_text, describe_levels, describe_scene};
+pub use frame::{Effort, Frame, FrameSettings, develop};
 pub use outlook::{ImageCounts, LightCounts, Outlook, SceneContents, SkyView};
-pub use renderer::{
-    BakeFigures, Frame, FrameSettings, RenderError, Renderer, SceneFigures, develop,
-};
+pub use renderer::{BakeFigures, RenderError, Renderer, SceneFigures};
 pub use stages::Stages;
