@@ -45,6 +45,11 @@ struct LitSites {
 }
 
 impl KeptPicture {
+    /// What the last picture shows of the mesh.
+    pub(super) fn sites(&self) -> Option<&Sites> {
+        self.sites.as_ref()
+    }
+
     /// The view's sites and the sum of all lights there, W/m2 (empty where the
     /// component has no use for it); `None` if it was stopped, which is asked
     /// between stages and lights.

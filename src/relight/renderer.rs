@@ -10,10 +10,11 @@ use super::basis_view::{BasisFunctionError, BasisView};
 use super::bounces::{BounceError, Transport};
 use super::colours::VertexColours;
 use super::component::Component;
-use super::frame::{Frame, FrameSettings};
+use super::frame::{Effort, Frame, FrameSettings};
 use super::kept::{KeptDirect, KeptLights, OnVertices};
 use super::lit_sites::KeptPicture;
 use super::outlook::{Outlook, SceneContents};
+use super::seen::SeenSurfaces;
 use super::shade::{View, draw};
 use super::stages::Stages;
 use crate::bake::{
@@ -205,6 +206,25 @@ impl Renderer {
             .stages
             .time("bake", || load_stored(surface, settings, folder));
         self.baked = stored.ok().flatten().map(Baked::from);
+    }
+
+    /// Takes the bake from the cache folder, if a valid one is there; says whether
+    /// the renderer has a bake now.
+    pub fn load_bake(&mut self) -> bool {
+        if self.baked.is_none() {
+            let settings = BakeSettings::of_scheme(self.scheme, &self.scene.bake);
+            self.load(&settings);
+        }
+        self.baked.is_some()
+    }
+
+    /// What the last frame of such an effort shows of the mesh; nothing before the
+    /// first.
+    pub fn seen(&self, effort: Effort) -> SeenSurfaces {
+        let sites = self.pictures[effort as usize].sites();
+        sites.map_or_else(SeenSurfaces::default, |sites| {
+            SeenSurfaces::of(sites, &self.surface)
+        })
     }
 
     /// Whether a frame needs a bake that the renderer does not have yet.
