@@ -253,7 +253,15 @@ fn append_light(editor: &mut Editor, light: &Light) -> Result<(), SaveError> {
         ("name", quoted(&light.name)),
         ("kind", quoted(kind_name(&light.kind))),
     ];
-    let values = light_keys(&light.kind);
+    let mut values = light_keys(&light.kind);
+    if let LightKind::Environment(sky) = &light.kind {
+        // What the reader takes where a key is absent.
+        values.retain(|(key, _)| match *key {
+            "scale" => sky.scale != 1.0,
+            "rotation" => sky.rotation_deg.to_bits() != 0,
+            _ => true,
+        });
+    }
     keys.extend(
         values
             .iter()

@@ -47,9 +47,24 @@ impl Editor {
                 let mut lines = vec![format!("[[{list}]]")];
                 lines.extend(keys.iter().map(|(name, value)| format!("{name} = {value}")));
                 self.append_block(end, &lines);
+                self.part_from_next(end, &lines);
             }
         }
         Ok(())
+    }
+
+    /// Puts an empty line behind a block that was appended at a place, where what
+    /// follows it would touch it.
+    fn part_from_next(&mut self, end: usize, lines: &[String]) {
+        let length: usize = lines
+            .iter()
+            .map(|line| line.len() + self.newline().len())
+            .sum();
+        let block_end = end + length + self.newline().len();
+        let next = self.next_line(block_end.min(self.text().len()));
+        if next < self.text().len() && !self.line(next).trim().is_empty() {
+            self.replace_at(next, self.newline());
+        }
     }
 
     /// Lines of a block with a header, and the empty lines that follow it; at the

@@ -217,6 +217,25 @@ fn keys_entries_and_sections_are_added_behind_what_is_there() {
 }
 
 #[test]
+fn an_empty_line_parts_new_lights_from_what_follows() {
+    let text = SCENE.replace(
+        "radiance = [0.1, 0.1, 0.1]\n\n# What frames are like.\n",
+        "radiance = [0.1, 0.1, 0.1]\n",
+    );
+    let sky = Light {
+        name: "new".to_owned(),
+        kind: LightKind::Environment(crate::scene::Environment {
+            radiance: crate::scene::Radiance::Constant(Vec3::ONE),
+            scale: 1.0,
+            rotation_deg: 0.0,
+        }),
+    };
+    let new = save(&text, |scene| scene.lights.push(sky.clone()));
+    let block = "\n[[light]]\nname = \"new\"\nkind = \"environment\"\nradiance = [1.0, 1.0, 1.0]\n\n[render]";
+    assert_eq!(new, with(&text, &[["[render]", block]]));
+}
+
+#[test]
 fn a_section_that_is_missing_is_added() {
     let text = SCENE.split("\n# What frames").next().unwrap();
     let new = save(text, |scene| scene.render.bounces = Bounces::Count(2));
