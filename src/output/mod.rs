@@ -10,6 +10,7 @@ mod file;
 mod glyphs;
 mod heat_map;
 mod png;
+mod strokes;
 
 use std::path::{Component, Path, PathBuf};
 
@@ -19,6 +20,7 @@ use crate::report::ReportFile;
 use file::write_whole;
 
 pub use heat_map::heat_map;
+pub(crate) use strokes::{Line, with_lines};
 
 /// One frame in both of its forms; a format takes the one it holds.
 #[derive(Debug, Clone, Copy)]
