@@ -3,7 +3,8 @@
 use std::path::PathBuf;
 
 use super::input::Input;
-use super::painter::Sight;
+use super::painter::Drawn;
+use super::screen::Notice;
 use crate::relight::Renderer;
 use crate::scene::{Scene, SceneError};
 
@@ -12,7 +13,7 @@ pub(crate) enum Message {
     /// A key, the mouse, or another size of the terminal.
     Input(Input),
     /// A picture of the wish of that number.
-    Drawn { number: u64, sight: Box<Sight> },
+    Drawn { number: u64, drawn: Box<Drawn> },
     /// There is no picture.
     NotDrawn(String),
     /// A frame was written (digest), or not (why).
@@ -28,6 +29,8 @@ pub(crate) enum Message {
     Baking { stage: &'static str, share: f64 },
     /// Files of the scene were changed by someone else.
     FilesChanged,
+    /// Something happens to the terminal.
+    Terminal(Notice),
     /// The scene was read again.
     Loaded {
         bytes: Vec<u8>,

@@ -9,12 +9,10 @@
 use std::sync::Arc;
 use std::time::Instant;
 
-use glam::Vec3;
-
 use crate::bake::RunSettings;
 use crate::frame::EncodedImage;
 use crate::relight::{Effort, FrameSettings, RenderError, Renderer, SeenSurfaces, Stages};
-use crate::scene::{Light, Tone};
+use crate::scene::{Light, Material, Tone};
 
 /// A draft whose pixels alone take longer gets larger ones, milliseconds: half
 /// of a thirtieth of a second, the other half of which is the vertices'.
@@ -39,8 +37,8 @@ const VERTEX_STAGES: [&str; 5] = [
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Wish {
     pub(crate) lights: Vec<Light>,
-    /// Of every material of the scene.
-    pub(crate) albedos: Vec<Vec3>,
+    /// Every material of the scene.
+    pub(crate) materials: Vec<Material>,
     /// The full frame; its size is that of the picture in cells.
     pub(crate) frame: FrameSettings,
     /// EV.
@@ -63,7 +61,7 @@ pub(crate) enum Sharpness {
 
 /// A picture.
 #[derive(Debug, Clone)]
-pub(crate) struct Sight {
+pub(crate) struct Drawn {
     pub(crate) levels: EncodedImage,
     pub(crate) sharpness: Sharpness,
     /// Whether a sharper one follows if nothing changes.
@@ -123,11 +121,11 @@ impl Painter {
         &mut self,
         wish: &Wish,
         run: &RunSettings,
-    ) -> Result<Option<Sight>, RenderError> {
+    ) -> Result<Option<Drawn>, RenderError> {
         let Some(step) = self.next_step(wish) else {
             return Ok(None);
         };
-        if wish.albedos.len() != self.renderer.scene().materials.len() {
+        if wish.materials.len() != self.renderer.scene().materials.len() {
             return Ok(None);
         }
         self.light(wish);
@@ -144,7 +142,7 @@ impl Painter {
             Sharpness::Draft(_) => wish.frame.camera.size,
             Sharpness::Full | Sharpness::Fine => settings.camera.size,
         };
-        Ok(Some(Sight {
+        Ok(Some(Drawn {
             levels: enlarged(&levels, size),
             sharpness: step,
             is_last: self.next_step(wish).is_none(),
@@ -161,15 +159,11 @@ impl Painter {
         self.drawn = Some((wish.clone(), Sharpness::Fine));
     }
 
-    /// Gives the scene the lights and albedos of a wish.
+    /// Gives the scene the lights and materials of a wish.
     fn light(&mut self, wish: &Wish) {
         self.renderer.relight(|lights, materials| {
-            if *lights != wish.lights {
-                lights.clone_from(&wish.lights);
-            }
-            for (material, albedo) in materials.iter_mut().zip(&wish.albedos) {
-                material.albedo = *albedo;
-            }
+            lights.clone_from(&wish.lights);
+            materials.clone_from(&wish.materials);
         });
     }
 

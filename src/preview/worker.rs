@@ -204,9 +204,9 @@ impl Drawing {
             progress: &progress,
         };
         let message = match painter.next(wish, &run) {
-            Ok(Some(sight)) => Message::Drawn {
+            Ok(Some(drawn)) => Message::Drawn {
                 number,
-                sight: Box::new(sight),
+                drawn: Box::new(drawn),
             },
             Err(RenderError::Cancelled) => return,
             // A wish for a scene that is still on its way.

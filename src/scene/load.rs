@@ -49,6 +49,18 @@ impl Scene {
         Self::load_with(&bytes, path, &all, &Disk)
     }
 
+    /// [`Scene::load`] of the bytes that `path` held a moment ago.
+    ///
+    /// # Errors
+    /// As [`Scene::load`].
+    pub(crate) fn load_bytes(
+        bytes: &[u8],
+        path: &Path,
+        overrides: &[Override],
+    ) -> Result<Self, SceneError> {
+        Self::load_with(bytes, path, overrides, &Disk)
+    }
+
     /// [`Scene::load`] of the bytes that `path` holds, with another source of
     /// files.
     pub(crate) fn load_with(
