@@ -1,15 +1,21 @@
-//! Image files and pictures that only people look at. The only room that names
-//! `png` and `tiny_skia`.
+//! Image files, pictures that only people look at, and what a terminal is sent to
+//! show one. The only room that names `png` and `tiny_skia`.
 //!
 //! Comes in: a frame as linear radiance and as levels, or a path. Goes out: a
 //! file that is either whole or absent, or what a file holds. The format is
 //! chosen by the extension; a new one is a file here and a line in [`FORMATS`].
+//! Bytes for terminals are made in [`terminal`].
 
 mod exr;
 mod file;
 mod glyphs;
 mod heat_map;
 mod png;
+#[cfg_attr(
+    not(test),
+    allow(dead_code, reason = "the terminal program is not whole yet")
+)]
+pub(crate) mod terminal;
 
 use std::path::{Component, Path, PathBuf};
 
