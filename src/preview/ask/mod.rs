@@ -14,7 +14,7 @@ mod typed;
 
 use std::time::Duration;
 
-pub(crate) use abilities::{Abilities, ColourChoice, ProtocolChoice, UnknownChoice, decide};
+pub(crate) use abilities::{Abilities, ColourChoice, ProtocolChoice, decide};
 pub(crate) use answers::{Answers, Heard};
 pub(crate) use environment::Environment;
 pub(crate) use late::LateAnswers;

@@ -159,7 +159,8 @@ fn words() -> Vec<String> {
 fn start_with(variables: &[(&str, &str)], size: (u16, u16)) -> Terminal {
     let words = words();
     let words: Vec<&str> = words.iter().map(String::as_str).collect();
-    let variables = [&[(IS_PROGRAM, "1")], variables].concat();
+    let ours = [(IS_PROGRAM, "1"), ("RUST_BACKTRACE", "0")];
+    let variables = [&ours, variables].concat();
     Terminal::start(&format!("{HERE}::launch"), &words, &variables, size)
 }
 
@@ -215,7 +216,11 @@ fn a_panic_restores_the_terminal_and_is_read() {
         terminal.feed(key);
         assert_eq!(terminal.end().code(), Some(101));
         terminal.assert_as_before();
-        terminal.wait_for(message);
+        terminal.wait_until(message, |it| {
+            let bytes = String::from_utf8_lossy(&it.bytes()).into_owned();
+            let behind = bytes.split("\x1b[?1049l").nth(1);
+            behind.is_some_and(|behind| behind.contains(message))
+        });
     }
 }
 

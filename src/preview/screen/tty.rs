@@ -8,7 +8,8 @@ use std::time::Duration;
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::io::{read, retry_on_intr};
 use rustix::termios::{
-    OptionalActions, QueueSelector, Termios, tcflush, tcgetattr, tcgetwinsize, tcsetattr,
+    Action, OptionalActions, QueueSelector, Termios, tcflow, tcflush, tcgetattr, tcgetwinsize,
+    tcsetattr,
 };
 
 use super::ScreenError;
@@ -101,10 +102,13 @@ impl Tty {
         Ok(buffer[..count].to_vec())
     }
 
-    /// Throws away what the terminal has not read.
+    /// Throws away what the terminal has not read, and wakes who waits for room:
+    /// Linux does that only when output goes on after a halt.
     pub(super) fn discard_output(&self) {
-        // Where that cannot be done the writer is waited for in vain.
+        // Where one of them cannot be done the writer is waited for in vain.
         let _ = tcflush(&self.output, QueueSelector::OFlush);
+        let _ = tcflow(&self.output, Action::OOff);
+        let _ = tcflow(&self.output, Action::OOn);
     }
 
     /// Throws away what nobody has read of the terminal.
