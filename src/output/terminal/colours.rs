@@ -273,7 +273,7 @@ mod tests {
     #[test]
     fn lengths_are_those_of_what_is_sent() {
         for (colours, code) in [
-            (Colours::True, 0x00_09_0a_64),
+            (Colours::True, u32::from_be_bytes([0, 9, 10, 100])),
             (Colours::True, 0),
             (Colours::Indexed256, 16),
             (Colours::Indexed256, 255),

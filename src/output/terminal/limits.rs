@@ -4,6 +4,10 @@
 //! |---|---|---|
 //! | every half another colour of 24 bits | 437,285 | 450,000 |
 //! | the same, one cell in ten, anywhere | 50,652 | 60,000 |
+//!
+//! Encoding the first takes 0.9 ms (24 bits and the palette; 0.25 ms without
+//! colours) on one core of a shared machine with two, optimised, the median of
+//! 101 frames; the limit is 2 ms.
 
 use std::time::Instant;
 
@@ -43,11 +47,10 @@ fn frames_of_noise_keep_the_limits() {
     let mut encoder = CellEncoder::new(Colours::True);
     change(&mut cells, 1, |_| true);
     let whole = encoder.encode(&cells).len();
-    change(&mut cells, 2, |index| hash3(3, index, 0) % 10 == 0);
+    change(&mut cells, 2, |index| hash3(3, index, 0).is_multiple_of(10));
     let tenth = encoder.encode(&cells).len();
-    println!("{whole} bytes, a tenth {tenth}");
-    assert!((400_000..MOST_BYTES).contains(&whole), "{whole}");
-    assert!((40_000..MOST_OF_A_TENTH).contains(&tenth), "{tenth}");
+    assert!(whole <= MOST_BYTES && tenth <= MOST_OF_A_TENTH);
+    assert_eq!((whole, tenth), (437_285, 50_652), "the figures above");
 }
 
 /// The worst that can be: every level of every half has three digits, and no
@@ -71,8 +74,9 @@ fn the_worst_frame_is_known() {
     assert!((468_000..=468_500).contains(&whole), "{whole}");
 }
 
-/// Run with `--release -- --ignored`.
+/// Run with `--release -- --ignored --nocapture`.
 #[test]
+#[allow(clippy::print_stdout, reason = "figures that people read")]
 #[ignore = "measures time, which other work disturbs"]
 fn a_whole_frame_takes_less_than_two_milliseconds() {
     for colours in [Colours::True, Colours::Indexed256, Colours::Luminance] {

@@ -14,6 +14,10 @@ mod kitty;
 mod protocol;
 mod sixel;
 
+#[cfg_attr(
+    not(test),
+    allow(unused_imports, reason = "the terminal program is not whole yet")
+)]
 pub(crate) use cells::{Area, Cell, Cells};
 pub(crate) use colours::Colours;
 pub(crate) use encoder::CellEncoder;

@@ -49,10 +49,7 @@ fn run() -> u8 {
     });
     let mut screen = match entered {
         Ok(screen) => screen,
-        Err(error) => {
-            eprintln!("{error}");
-            return 2;
-        }
+        Err(error) => panic!("{error}"),
     };
     for event in screen.take_typed() {
         sender.send(Message::Event(event)).unwrap();
@@ -88,7 +85,7 @@ fn serve(screen: &Screen, queue: &Receiver<Message>) -> u8 {
                     screen.leave();
                     return 0;
                 }
-                (KeyCode::Char('a'), _) => draw(screen, &format!("{:?}", screen.abilities())),
+                (KeyCode::Char('a'), _) => draw(screen, &abilities(screen)),
                 (KeyCode::Char(letter), _) => draw(screen, &format!("key {letter}")),
                 _ => {}
             },
@@ -118,6 +115,11 @@ fn draw(screen: &Screen, text: &str) {
         cells.text(0, row, &part, [255; 3], [0; 3]);
     }
     screen.show(cells, None);
+}
+
+/// All that is known of the terminal.
+fn abilities(screen: &Screen) -> String {
+    format!("{:?} {:?}", screen.abilities(), screen.cell_px())
 }
 
 /// Many large frames.
@@ -338,7 +340,7 @@ fn the_terminals_answers_are_used_and_keys_are_not_lost() {
     terminal.wait_for("Kitty");
     let seen = terminal.contents().replace('\n', "");
     assert!(
-        seen.contains("colours: True") && seen.contains("(10, 20)"),
+        seen.contains("colours: True") && seen.ends_with("Some((10, 20)) 60x10"),
         "{seen}"
     );
     terminal.feed(b"q");

@@ -268,8 +268,10 @@ fn cell_px(abilities: &Abilities, tty: &Tty) -> Option<(u16, u16)> {
     abilities.cell_px.or_else(by_system)
 }
 
-#[cfg(all(test, unix))]
+#[cfg(test)]
+#[cfg(unix)]
 mod endings;
-#[cfg(all(test, unix))]
+#[cfg(test)]
+#[cfg(unix)]
 #[path = "../../../tests/preview/terminal.rs"]
 mod terminal;

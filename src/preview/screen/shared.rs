@@ -158,7 +158,7 @@ impl Shared {
         slot.state = State::Leaving;
         slot.next = None;
         self.wait_for_writer(slot);
-        self.say(vec![modes::CUT, modes::LEAVE].concat());
+        self.say([modes::CUT, modes::LEAVE].concat());
         // Reports of the mouse that nobody reads would be typed into a shell.
         self.tty.discard_input();
         // The terminal may be gone, and then there is nothing to restore.
