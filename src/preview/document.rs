@@ -54,16 +54,6 @@ pub(crate) struct Changed {
 }
 
 impl Changed {
-    /// Everything.
-    pub(crate) const ALL: Self = Self {
-        lights: true,
-        albedos: true,
-        camera: true,
-        render: true,
-        component: true,
-        marks: true,
-    };
-
     /// Whether anything changed.
     pub(crate) fn any(self) -> bool {
         self != Self::default()

@@ -78,13 +78,11 @@ fn read_inputs(screen: &Screen, queue: Sender<Message>) -> Result<(), PreviewErr
     let thread = std::thread::Builder::new().name("input".to_owned());
     thread.spawn(move || {
         while let Ok(event) = crossterm::event::read() {
-            for event in late.keys(event) {
-                let Some(input) = Input::of_terminal(&event) else {
-                    continue;
-                };
-                if queue.send(Message::Input(input)).is_err() {
-                    return;
-                }
+            let input = Input::of_terminal(&event).filter(|_| late.is_input(&event));
+            if let Some(input) = input
+                && queue.send(Message::Input(input)).is_err()
+            {
+                return;
             }
         }
     })?;
@@ -173,6 +171,8 @@ impl Session<'_> {
     /// The terminal may have another size by now.
     fn ask_size(&self) {
         let (columns, rows) = self.screen.size();
-        let _ = self.queue.send(Message::Input(Input::Resize { columns, rows }));
+        let _ = self
+            .queue
+            .send(Message::Input(Input::Resize { columns, rows }));
     }
 }

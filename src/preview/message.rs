@@ -22,7 +22,10 @@ pub(crate) enum Message {
         written: Result<String, String>,
     },
     /// The scene of that number can be drawn; its bake may follow.
-    Prepared { number: u64, renderer: Box<Renderer> },
+    Prepared {
+        number: u64,
+        renderer: Box<Renderer>,
+    },
     /// There is no bake.
     NotPrepared { number: u64, error: String },
     /// A bake goes on: its stage and the share of it that is done.

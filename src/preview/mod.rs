@@ -47,6 +47,7 @@ mod write_frame;
 
 use std::path::PathBuf;
 
+pub use crate::output::terminal::{Colours, Protocol, UnknownProtocol};
 pub use ask::{ColourChoice, ProtocolChoice, UnknownChoice};
 pub use interactive::run_in_terminal;
 pub use prepare::Preparation;
@@ -114,7 +115,9 @@ impl From<ScreenError> for PreviewError {
     fn from(error: ScreenError) -> Self {
         match error {
             ScreenError::NoTerminal(_) => Self::Terminal(error.to_string()),
-            ScreenError::Setup(source) => Self::Terminal(format!("the terminal could not be set up: {source}")),
+            ScreenError::Setup(source) => {
+                Self::Terminal(format!("the terminal could not be set up: {source}"))
+            }
         }
     }
 }

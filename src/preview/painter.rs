@@ -64,10 +64,7 @@ pub(crate) enum Sharpness {
 pub(crate) struct Drawn {
     pub(crate) levels: EncodedImage,
     pub(crate) sharpness: Sharpness,
-    /// Whether a sharper one follows if nothing changes.
-    pub(crate) is_last: bool,
     pub(crate) stages: Stages,
-    pub(crate) computed_lights: usize,
     pub(crate) clamped_pixels: u64,
     /// Whether bounced light is missing, for want of a bake.
     pub(crate) lacks_bake: bool,
@@ -145,9 +142,7 @@ impl Painter {
         Ok(Some(Drawn {
             levels: enlarged(&levels, size),
             sharpness: step,
-            is_last: self.next_step(wish).is_none(),
             stages: frame.stages,
-            computed_lights: frame.computed_lights,
             clamped_pixels: frame.clamped_pixels,
             lacks_bake: self.renderer.needs_bake(&settings),
             seen: Arc::new(self.renderer.seen(settings.effort)),

@@ -51,7 +51,10 @@ pub(crate) fn bottom(cells: &mut Cells, bottom: &Bottom) {
             }
             let ink = if status.error.is_some() { WRONG } else { INK };
             column = put(cells, column, status.words(), ink);
-            let figures = fitting(&status.figures(), cells.columns().saturating_sub(column + 2));
+            let figures = fitting(
+                &status.figures(),
+                cells.columns().saturating_sub(column + 2),
+            );
             let width = figures.chars().count() as u16;
             put(cells, cells.columns() - width, &figures, FAINT);
         }

@@ -365,12 +365,7 @@ impl Program {
 }
 
 /// What is seen at pixel coordinates of the view.
-fn seen_at(
-    drawn: &Drawn,
-    view: &View,
-    camera: &crate::scene::Camera,
-    px: DVec2,
-) -> Option<Seen> {
+fn seen_at(drawn: &Drawn, view: &View, camera: &crate::scene::Camera, px: DVec2) -> Option<Seen> {
     let [width, height] = drawn.seen.size;
     let at = |place: f64, of: u32, count: u32| {
         let scaled = place / f64::from(of) * f64::from(count);

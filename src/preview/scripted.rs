@@ -191,7 +191,11 @@ impl Runner<'_> {
             self.report.drafts += 1;
             self.bytes.push(bytes);
             let total = draw_ms + compose_ms + encode_ms;
-            let more = [("marks", compose_ms), ("encode", encode_ms), ("total", total)];
+            let more = [
+                ("marks", compose_ms),
+                ("encode", encode_ms),
+                ("total", total),
+            ];
             for &(stage, ms) in stages.times_ms().iter().chain(&more) {
                 self.times.entry(stage).or_default().push(ms);
             }
@@ -239,7 +243,9 @@ impl Runner<'_> {
                 };
                 let written = write_frame(painter, &wish, size, &path, self.run);
                 if let Ok(digest) = &written {
-                    self.report.written.push((path.clone(), Some(digest.clone())));
+                    self.report
+                        .written
+                        .push((path.clone(), Some(digest.clone())));
                 }
                 self.tell(Message::Wrote { path, written })?;
             }

@@ -68,7 +68,11 @@ impl Status {
     /// A picture has come.
     pub(super) fn drew(&mut self, drawn: &Drawn, now: Duration) {
         if matches!(drawn.sharpness, Sharpness::Draft(_)) {
-            if self.drafts.back().is_some_and(|&last| now.saturating_sub(last) > PAUSE) {
+            if self
+                .drafts
+                .back()
+                .is_some_and(|&last| now.saturating_sub(last) > PAUSE)
+            {
                 self.drafts.clear();
             }
             self.drafts.push_back(now);

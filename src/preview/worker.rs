@@ -3,11 +3,11 @@
 //! Of wishes only the newest counts: one that was not begun is dropped, and a
 //! full frame of an old one is stopped. Errands are done in their order.
 
+use std::collections::VecDeque;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::Sender;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
-use std::collections::VecDeque;
 use std::thread::JoinHandle;
 use std::time::Duration;
 
@@ -57,7 +57,10 @@ struct Orders {
 }
 
 impl Worker {
-    pub(crate) fn start(preparation: &Preparation, queue: Sender<Message>) -> std::io::Result<Self> {
+    pub(crate) fn start(
+        preparation: &Preparation,
+        queue: Sender<Message>,
+    ) -> std::io::Result<Self> {
         let shared = Arc::new(Shared {
             orders: Mutex::default(),
             wake: Condvar::new(),
@@ -92,8 +95,11 @@ impl Worker {
 
 impl Drop for Worker {
     fn drop(&mut self) {
-        self.shared.newest.store(END, Ordering::Relaxed);
-        self.shared.lock();
+        {
+            // Not between the thread's last look and its sleep.
+            let _orders = self.shared.lock();
+            self.shared.newest.store(END, Ordering::Relaxed);
+        }
         self.shared.wake.notify_one();
         if let Some(thread) = self.thread.take() {
             // A panic there has been told by the hook.

@@ -14,7 +14,9 @@ impl Program {
     /// The files that the scene is made of.
     pub(super) fn watched(&self) -> Vec<PathBuf> {
         let named = self.scene.files.iter().cloned();
-        std::iter::once(self.file.path.clone()).chain(named).collect()
+        std::iter::once(self.file.path.clone())
+            .chain(named)
+            .collect()
     }
 
     /// Writes what was edited into the scene file, or asks.
@@ -32,7 +34,9 @@ impl Program {
 
     fn write_scene(&mut self, asks: bool) -> Vec<Effect> {
         let file = &self.file;
-        let edited = self.hands.saved_bytes(&file.bytes, &file.path, &file.overrides, &self.scene);
+        let edited = self
+            .hands
+            .saved_bytes(&file.bytes, &file.path, &file.overrides, &self.scene);
         let bytes = match edited {
             Ok(bytes) => bytes,
             Err(error) => return self.fails(error.to_string()),
@@ -43,7 +47,8 @@ impl Program {
                 self.file.bytes = bytes;
                 self.scene_is_saved();
                 self.status.error = None;
-                self.status.say(format!("saved {}", self.file.path.display()));
+                self.status
+                    .say(format!("saved {}", self.file.path.display()));
                 vec![Effect::Watch(self.watched())]
             }
             Ok(Saved::ChangedMeanwhile) => {
@@ -102,10 +107,16 @@ impl Program {
     /// Writes the frame at the scene's size into a file that is not there yet.
     pub(super) fn write_png(&mut self) -> Vec<Effect> {
         if self.status.baking.is_some() {
-            self.status.say("the bake is not ready; its light would be missing");
+            self.status
+                .say("the bake is not ready; its light would be missing");
             return Vec::new();
         }
-        let stem = self.file.path.file_stem().unwrap_or_default().to_string_lossy();
+        let stem = self
+            .file
+            .path
+            .file_stem()
+            .unwrap_or_default()
+            .to_string_lossy();
         let names = (1..MOST_PICTURES).map(|number| PathBuf::from(format!("{stem}-{number}.png")));
         let Some(path) = names.into_iter().find(|path| !path.exists()) else {
             return self.fails(format!("there are {MOST_PICTURES} pictures of {stem} here"));
@@ -119,9 +130,8 @@ impl Program {
 
 /// Whether the bake and the surface of one scene serve another.
 fn is_same_mesh(new: &Scene, old: &Scene) -> bool {
-    let names = |scene: &Scene| -> Vec<String> {
-        scene.materials.iter().map(|m| m.name.clone()).collect()
-    };
+    let names =
+        |scene: &Scene| -> Vec<String> { scene.materials.iter().map(|m| m.name.clone()).collect() };
     new.mesh == old.mesh
         && new.bake == old.bake
         && new.texture_filter == old.texture_filter

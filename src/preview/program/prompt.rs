@@ -18,7 +18,9 @@ impl Prompt {
     /// The question.
     pub(super) fn text(self) -> &'static str {
         match self {
-            Self::Quit => "unsaved changes: s saves and quits, d discards them and quits, Esc stays",
+            Self::Quit => {
+                "unsaved changes: s saves and quits, d discards them and quits, Esc stays"
+            }
             Self::Overwrite => {
                 "the scene file was changed meanwhile: o overwrites it, r reads it (u undoes that), \
                  Esc leaves it"
