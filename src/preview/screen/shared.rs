@@ -88,6 +88,21 @@ pub(super) struct Shared {
     changed: Condvar,
 }
 
+/// What became of a frame that the writer has taken.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Outcome {
+    Written,
+    LeftOut,
+    Failed,
+}
+
+/// Of one frame.
+struct Figures {
+    bytes: usize,
+    encode_ms: f64,
+    write_ms: f64,
+}
+
 /// A frame that the writer has taken.
 struct Work {
     frame: Frame,
@@ -250,33 +265,48 @@ impl Shared {
             let start = Instant::now();
             let bytes = painter.bytes(&work.frame, || self.slot().next.is_some());
             let encode_ms = start.elapsed().as_secs_f64() * 1e3;
-            let is_entered = self.slot().state == State::Entered;
             let start = Instant::now();
-            let result = match bytes.is_empty() || !is_entered {
-                true => Ok(()),
-                false => self.tty.write(&bytes),
-            };
-            let write_ms = start.elapsed().as_secs_f64() * 1e3;
-            let is_lost = result.is_err();
-            let mut slot = self.slot();
-            slot.is_writing = false;
-            slot.last = Some(work.frame);
-            // What was left out or cut is not what the painter has in mind.
-            slot.is_forgotten |= is_lost || !is_entered;
-            slot.written = Written {
-                frames: slot.written.frames + 1,
+            let outcome = self.write_if_entered(&bytes);
+            let figures = Figures {
                 bytes: bytes.len(),
                 encode_ms,
-                write_ms,
-                ..slot.written
+                write_ms: start.elapsed().as_secs_f64() * 1e3,
             };
-            let is_still_ours = slot.state == State::Entered;
-            drop(slot);
-            self.changed.notify_all();
-            if is_lost && is_still_ours {
+            if self.finish(work.frame, outcome, figures) {
                 (self.notify)(Notice::Lost);
             }
         }
+    }
+
+    /// Writes a frame, unless the terminal has been given back meanwhile.
+    fn write_if_entered(&self, bytes: &[u8]) -> Outcome {
+        if self.slot().state != State::Entered {
+            return Outcome::LeftOut;
+        }
+        if bytes.is_empty() || self.tty.write(bytes).is_ok() {
+            return Outcome::Written;
+        }
+        Outcome::Failed
+    }
+
+    /// Notes what became of a frame; says whether the terminal is lost.
+    fn finish(&self, frame: Frame, outcome: Outcome, figures: Figures) -> bool {
+        let mut slot = self.slot();
+        slot.is_writing = false;
+        slot.last = Some(frame);
+        // What was left out or cut is not what the painter has in mind.
+        slot.is_forgotten |= outcome != Outcome::Written;
+        slot.written = Written {
+            frames: slot.written.frames + u64::from(outcome == Outcome::Written),
+            bytes: figures.bytes,
+            encode_ms: figures.encode_ms,
+            write_ms: figures.write_ms,
+            ..slot.written
+        };
+        let is_lost = outcome == Outcome::Failed && slot.state == State::Entered;
+        drop(slot);
+        self.changed.notify_all();
+        is_lost
     }
 
     /// Waits for a frame; none once all is over.
