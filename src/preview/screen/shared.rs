@@ -2,7 +2,7 @@
 
 use std::io;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
-use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError, mpsc};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -17,8 +17,9 @@ const GRACE: Duration = Duration::from_millis(100);
 /// How long what waits is thrown away, again and again, until the writer is done:
 /// a frame of 450 KB in a terminal's buffer of 4 KB takes a hundred times.
 const FLUSHING: Duration = Duration::from_millis(500);
-/// How long the last bytes may take, which fit into any buffer that has room.
-const LAST_WORDS: Duration = Duration::from_millis(200);
+/// How long the last bytes may take. They are written by whoever leaves and need no
+/// other thread: on a machine with much else to do, 1 s was too short for one.
+const LAST_WORDS: Duration = Duration::from_millis(500);
 /// Between two looks at whether the writer is done.
 const LOOK: Duration = Duration::from_millis(2);
 
@@ -173,7 +174,9 @@ impl Shared {
         slot.state = State::Leaving;
         slot.next = None;
         self.wait_for_writer(slot);
-        self.say([modes::CUT, modes::LEAVE].concat());
+        // A terminal that is gone has no modes left to be changed.
+        let last = [modes::CUT, modes::LEAVE].concat();
+        let _ = self.tty.write_within(&last, LAST_WORDS);
         // Reports of the mouse that nobody reads would be typed into a shell.
         self.tty.discard_input();
         // The terminal may be gone, and then there is nothing to restore.
@@ -192,23 +195,6 @@ impl Shared {
                 self.tty.discard_output();
             }
             slot = self.wait(slot, LOOK);
-        }
-    }
-
-    /// Writes in a thread of its own, so that a terminal that takes nothing holds
-    /// nobody up for long.
-    fn say(&self, bytes: Vec<u8>) {
-        let Ok(tty) = self.tty.another() else {
-            return;
-        };
-        let (done, is_done) = mpsc::channel();
-        let writer = thread::Builder::new().spawn(move || {
-            // A terminal that is gone has no modes left to be changed.
-            let _ = tty.write(&bytes);
-            let _ = done.send(());
-        });
-        if writer.is_ok() {
-            let _ = is_done.recv_timeout(LAST_WORDS);
         }
     }
 
