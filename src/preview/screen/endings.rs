@@ -353,6 +353,8 @@ fn the_terminals_answers_are_used_and_keys_are_not_lost() {
     terminal.feed(b"q");
     assert_eq!(terminal.end().code(), Some(0));
     terminal.assert_as_before();
+    let bytes = String::from_utf8_lossy(&terminal.bytes()).into_owned();
+    assert!(bytes.contains("\x1b_Ga=d,d=I,i=7497068,q=2\x1b\\\x1b[?1006l"));
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use std::io;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
-use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, OnceLock, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -85,6 +85,9 @@ pub(super) struct Shared {
     /// Whether nothing has to be given back, so that a signal may end the program
     /// at once.
     pub(super) is_left: Arc<AtomicBool>,
+    /// Takes away a picture of pixels that may be shown over the cells; not every
+    /// terminal forgets it with the screen.
+    remove_picture: OnceLock<&'static [u8]>,
     slot: Mutex<Slot>,
     changed: Condvar,
 }
@@ -126,6 +129,7 @@ impl Shared {
             expected: Expected::default(),
             notify,
             is_left: Arc::new(AtomicBool::new(true)),
+            remove_picture: OnceLock::new(),
             slot: Mutex::new(slot),
             changed: Condvar::new(),
         }
@@ -175,7 +179,8 @@ impl Shared {
         slot.next = None;
         self.wait_for_writer(slot);
         // A terminal that is gone has no modes left to be changed.
-        let last = [modes::CUT, modes::LEAVE].concat();
+        let remove_picture = self.remove_picture.get().copied().unwrap_or_default();
+        let last = [modes::CUT, remove_picture, modes::LEAVE].concat();
         let _ = self.tty.write_within(&last, LAST_WORDS);
         // Reports of the mouse that nobody reads would be typed into a shell.
         self.tty.discard_input();
@@ -237,6 +242,8 @@ impl Shared {
         protocol: Option<Protocol>,
     ) -> io::Result<()> {
         let shared = Arc::clone(shared);
+        let remove_picture = protocol.map_or(&b""[..], Protocol::remove);
+        shared.remove_picture.get_or_init(|| remove_picture);
         let name = "terminal".to_owned();
         let thread = thread::Builder::new().name(name);
         thread.spawn(move || shared.write_frames(Painter::new(colours, protocol)))?;
