@@ -15,7 +15,7 @@ const RELUME: &str = env!("CARGO_BIN_EXE_relume");
 /// A scene that is baked in a moment.
 const SCENE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/plank/plank.toml");
 /// Longest that leaving may take where nobody reads.
-const LONGEST_LEAVING: Duration = Duration::from_secs(2);
+const LONGEST_LEAVING: Duration = Duration::from_secs(3);
 
 #[test]
 #[ignore = "the step between a test and its program"]

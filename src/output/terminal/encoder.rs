@@ -163,7 +163,7 @@ impl CellEncoder {
     /// Moves right in the row, by a distance or to a column: the shorter, and of
     /// two that are as short the one to a column.
     fn skip(&mut self, from: u16, to: u16) {
-        let digits = |number: u16| number.to_string().len();
+        let digits = |number: u16| number.checked_ilog10();
         let distance = to - from;
         self.bytes.extend_from_slice(b"\x1b[");
         if distance == 1 {

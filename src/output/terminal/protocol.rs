@@ -1,6 +1,6 @@
 //! Pictures of pixels, by the protocols that terminals have for them.
 //!
-//! A new protocol is a file here, a variant and its line in [`Protocol::ways`].
+//! A new protocol is a file here, a variant and its line in `Protocol::way`.
 //! Inside tmux and screen none is offered: they hide what they do not know, and
 //! one that lets it through does not know where on the screen it lands. Who asks
 //! for one by name gets its bytes as they are, not wrapped: a multiplexer that

@@ -1,5 +1,6 @@
 //! The decision: which colours and which protocol are used.
 
+use std::fmt;
 use std::str::FromStr;
 
 use super::answers::Answers;
@@ -17,6 +18,35 @@ pub(crate) struct Abilities {
     pub(crate) cell_px: Option<(u16, u16)>,
     /// What the terminal calls itself; empty where it does not say.
     pub(crate) name: String,
+    /// Whether it says that it shows a frame only once it has all of it. It is
+    /// asked to in any case: who does not know the marks leaves them out.
+    pub(crate) is_synchronized: bool,
+}
+
+impl fmt::Display for Abilities {
+    /// One line for people.
+    fn fmt(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let name = match self.name.as_str() {
+            "" => "a terminal without a name",
+            name => name,
+        };
+        let colours = match self.colours {
+            Colours::True => "24-bit colours",
+            Colours::Indexed256 => "256 colours",
+            Colours::Luminance => "no colours",
+        };
+        write!(to, "{name}: {colours}")?;
+        if let Some(protocol) = self.protocol {
+            write!(to, ", pixels by {}", protocol.name())?;
+        }
+        if let Some((width, height)) = self.cell_px {
+            write!(to, ", cells of {width} x {height} pixels")?;
+        }
+        match self.is_synchronized {
+            true => write!(to, ", whole frames"),
+            false => Ok(()),
+        }
+    }
 }
 
 /// Colours as a user asks for them.
@@ -156,6 +186,7 @@ pub(crate) fn decide(
         protocol,
         cell_px: answers.cell_px.filter(is_likely),
         name: answers.name.clone().unwrap_or_default(),
+        is_synchronized: answers.synchronized == Some(true),
     }
 }
 
@@ -324,6 +355,24 @@ mod tests {
         assert_eq!(abilities.colours, Colours::Indexed256);
         assert_eq!(abilities.protocol, Some(Protocol::Sixel));
         assert_eq!(abilities.cell_px, None, "no cell is that large");
+    }
+
+    #[test]
+    fn abilities_are_told_in_a_line() {
+        let said = b"\x1b_Gi=7497068;OK\x1b\\\x1bP>|kitty(0.35.2)\x1b\\\x1b[6;40;18t\x1b[?2026;2$y";
+        let (auto, answers) = (ColourChoice::Auto, Heard::read(said).answers);
+        let environment = Environment::read(|name| (name == "TERM").then(|| "xterm".to_owned()));
+        let known = decide(&environment, &answers, auto, ProtocolChoice::Auto);
+        assert_eq!(
+            known.to_string(),
+            "kitty(0.35.2): 24-bit colours, pixels by kitty, cells of 18 x 40 pixels, whole frames"
+        );
+        let nothing = Answers::default();
+        let unknown = decide(&environment, &nothing, auto, ProtocolChoice::Auto);
+        assert_eq!(
+            unknown.to_string(),
+            "a terminal without a name: 256 colours"
+        );
     }
 
     #[test]

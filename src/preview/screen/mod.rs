@@ -218,6 +218,10 @@ impl Drop for Screen {
     }
 }
 
+/// Most bytes of answers and of keys between them; one who sends more babbles, and
+/// nothing of it is taken for a key.
+const MOST_ANSWERS: usize = 16_384;
+
 /// Asks the terminal and waits for its answers, but not for long.
 fn ask(tty: &Tty, environment: &Environment, asked: Instant) -> io::Result<Heard> {
     if !environment.may_be_asked() {
@@ -231,10 +235,14 @@ fn ask(tty: &Tty, environment: &Environment, asked: Instant) -> io::Result<Heard
         let patience = if is_slow { LONG_PATIENCE } else { PATIENCE };
         let left = patience.saturating_sub(asked.elapsed());
         let more = tty.read_within(left)?;
-        if more.is_empty() {
+        if more.is_empty() || left.is_zero() {
             break;
         }
         bytes.extend(more);
+        if bytes.len() > MOST_ANSWERS {
+            tty.discard_input();
+            return Ok(Heard::default());
+        }
         heard = Heard::read(&bytes);
     }
     Ok(heard)

@@ -2,7 +2,7 @@
 
 use std::io;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
-use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError, mpsc};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, OnceLock, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -17,8 +17,9 @@ const GRACE: Duration = Duration::from_millis(100);
 /// How long what waits is thrown away, again and again, until the writer is done:
 /// a frame of 450 KB in a terminal's buffer of 4 KB takes a hundred times.
 const FLUSHING: Duration = Duration::from_millis(500);
-/// How long the last bytes may take, which fit into any buffer that has room.
-const LAST_WORDS: Duration = Duration::from_millis(200);
+/// How long the last bytes may take. They are written by whoever leaves and need no
+/// other thread: on a machine with much else to do, 1 s was too short for one.
+const LAST_WORDS: Duration = Duration::from_millis(500);
 /// Between two looks at whether the writer is done.
 const LOOK: Duration = Duration::from_millis(2);
 
@@ -84,8 +85,26 @@ pub(super) struct Shared {
     /// Whether nothing has to be given back, so that a signal may end the program
     /// at once.
     pub(super) is_left: Arc<AtomicBool>,
+    /// Takes away a picture of pixels that may be shown over the cells; not every
+    /// terminal forgets it with the screen.
+    remove_picture: OnceLock<&'static [u8]>,
     slot: Mutex<Slot>,
     changed: Condvar,
+}
+
+/// What became of a frame that the writer has taken.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Outcome {
+    Written,
+    LeftOut,
+    Failed,
+}
+
+/// Of one frame.
+struct Figures {
+    bytes: usize,
+    encode_ms: f64,
+    write_ms: f64,
 }
 
 /// A frame that the writer has taken.
@@ -110,6 +129,7 @@ impl Shared {
             expected: Expected::default(),
             notify,
             is_left: Arc::new(AtomicBool::new(true)),
+            remove_picture: OnceLock::new(),
             slot: Mutex::new(slot),
             changed: Condvar::new(),
         }
@@ -158,7 +178,10 @@ impl Shared {
         slot.state = State::Leaving;
         slot.next = None;
         self.wait_for_writer(slot);
-        self.say([modes::CUT, modes::LEAVE].concat());
+        // A terminal that is gone has no modes left to be changed.
+        let remove_picture = self.remove_picture.get().copied().unwrap_or_default();
+        let last = [modes::CUT, remove_picture, modes::LEAVE].concat();
+        let _ = self.tty.write_within(&last, LAST_WORDS);
         // Reports of the mouse that nobody reads would be typed into a shell.
         self.tty.discard_input();
         // The terminal may be gone, and then there is nothing to restore.
@@ -177,23 +200,6 @@ impl Shared {
                 self.tty.discard_output();
             }
             slot = self.wait(slot, LOOK);
-        }
-    }
-
-    /// Writes in a thread of its own, so that a terminal that takes nothing holds
-    /// nobody up for long.
-    fn say(&self, bytes: Vec<u8>) {
-        let Ok(tty) = self.tty.another() else {
-            return;
-        };
-        let (done, is_done) = mpsc::channel();
-        let writer = thread::Builder::new().spawn(move || {
-            // A terminal that is gone has no modes left to be changed.
-            let _ = tty.write(&bytes);
-            let _ = done.send(());
-        });
-        if writer.is_ok() {
-            let _ = is_done.recv_timeout(LAST_WORDS);
         }
     }
 
@@ -236,6 +242,8 @@ impl Shared {
         protocol: Option<Protocol>,
     ) -> io::Result<()> {
         let shared = Arc::clone(shared);
+        let remove_picture = protocol.map_or(&b""[..], Protocol::remove);
+        shared.remove_picture.get_or_init(|| remove_picture);
         let name = "terminal".to_owned();
         let thread = thread::Builder::new().name(name);
         thread.spawn(move || shared.write_frames(Painter::new(colours, protocol)))?;
@@ -250,33 +258,48 @@ impl Shared {
             let start = Instant::now();
             let bytes = painter.bytes(&work.frame, || self.slot().next.is_some());
             let encode_ms = start.elapsed().as_secs_f64() * 1e3;
-            let is_entered = self.slot().state == State::Entered;
             let start = Instant::now();
-            let result = match bytes.is_empty() || !is_entered {
-                true => Ok(()),
-                false => self.tty.write(&bytes),
-            };
-            let write_ms = start.elapsed().as_secs_f64() * 1e3;
-            let is_lost = result.is_err();
-            let mut slot = self.slot();
-            slot.is_writing = false;
-            slot.last = Some(work.frame);
-            // What was left out or cut is not what the painter has in mind.
-            slot.is_forgotten |= is_lost || !is_entered;
-            slot.written = Written {
-                frames: slot.written.frames + 1,
+            let outcome = self.write_if_entered(&bytes);
+            let figures = Figures {
                 bytes: bytes.len(),
                 encode_ms,
-                write_ms,
-                ..slot.written
+                write_ms: start.elapsed().as_secs_f64() * 1e3,
             };
-            let is_still_ours = slot.state == State::Entered;
-            drop(slot);
-            self.changed.notify_all();
-            if is_lost && is_still_ours {
+            if self.finish(work.frame, outcome, figures) {
                 (self.notify)(Notice::Lost);
             }
         }
+    }
+
+    /// Writes a frame, unless the terminal has been given back meanwhile.
+    fn write_if_entered(&self, bytes: &[u8]) -> Outcome {
+        if self.slot().state != State::Entered {
+            return Outcome::LeftOut;
+        }
+        if bytes.is_empty() || self.tty.write(bytes).is_ok() {
+            return Outcome::Written;
+        }
+        Outcome::Failed
+    }
+
+    /// Notes what became of a frame; says whether the terminal is lost.
+    fn finish(&self, frame: Frame, outcome: Outcome, figures: Figures) -> bool {
+        let mut slot = self.slot();
+        slot.is_writing = false;
+        slot.last = Some(frame);
+        // What was left out or cut is not what the painter has in mind.
+        slot.is_forgotten |= outcome != Outcome::Written;
+        slot.written = Written {
+            frames: slot.written.frames + u64::from(outcome == Outcome::Written),
+            bytes: figures.bytes,
+            encode_ms: figures.encode_ms,
+            write_ms: figures.write_ms,
+            ..slot.written
+        };
+        let is_lost = outcome == Outcome::Failed && slot.state == State::Entered;
+        drop(slot);
+        self.changed.notify_all();
+        is_lost
     }
 
     /// Waits for a frame; none once all is over.

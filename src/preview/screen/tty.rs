@@ -1,15 +1,17 @@
 //! The terminal as the system has it.
 
 use std::fs::File;
-use std::io::{self, IsTerminal, Write};
+use std::io::{self, ErrorKind, IsTerminal, Write};
 use std::os::fd::{AsFd, OwnedFd};
-use std::time::Duration;
+use std::thread;
+use std::time::{Duration, Instant};
 
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
+use rustix::fs::{Mode, OFlags, open};
 use rustix::io::{read, retry_on_intr};
 use rustix::termios::{
     Action, OptionalActions, QueueSelector, Termios, tcflow, tcflush, tcgetattr, tcgetwinsize,
-    tcsetattr,
+    tcsetattr, ttyname,
 };
 
 use super::ScreenError;
@@ -19,8 +21,14 @@ pub(super) struct Tty {
     input: OwnedFd,
     /// Not `Stdout`: that would cut a frame at its lines.
     output: File,
+    /// The same terminal opened once more, for writes that do not wait: what is set
+    /// of standard output is set for the shell too. None where it has no name.
+    unwaiting: Option<File>,
     before: Termios,
 }
+
+/// Between two tries to write.
+const LOOK: Duration = Duration::from_millis(2);
 
 /// How large the terminal is; 0 what it does not say.
 #[derive(Debug, Clone, Copy)]
@@ -42,20 +50,13 @@ impl Tty {
         }
         let input = io::stdin().as_fd().try_clone_to_owned()?;
         let output = File::from(io::stdout().as_fd().try_clone_to_owned()?);
+        let unwaiting = open_unwaiting(&output).ok();
         let before = tcgetattr(&input).map_err(io::Error::from)?;
         Ok(Self {
             input,
             output,
+            unwaiting,
             before,
-        })
-    }
-
-    /// The same terminal, for another thread.
-    pub(super) fn another(&self) -> io::Result<Self> {
-        Ok(Self {
-            input: self.input.try_clone()?,
-            output: self.output.try_clone()?,
-            before: self.before.clone(),
         })
     }
 
@@ -80,6 +81,40 @@ impl Tty {
     /// Writes all of it, as one piece where the system takes it so.
     pub(super) fn write(&self, bytes: &[u8]) -> io::Result<()> {
         (&self.output).write_all(bytes)
+    }
+
+    /// Writes all of it within a time, throwing away what was written before it
+    /// where the terminal reads nothing.
+    pub(super) fn write_within(&self, bytes: &[u8], limit: Duration) -> io::Result<()> {
+        let Some(mut line) = self.unwaiting.as_ref() else {
+            return self.write_if_ready(bytes);
+        };
+        let start = Instant::now();
+        let mut rest = bytes;
+        while !rest.is_empty() {
+            match line.write(rest) {
+                Ok(count) => rest = &rest[count..],
+                Err(error) if error.kind() == ErrorKind::Interrupted => {}
+                Err(error) if error.kind() != ErrorKind::WouldBlock => return Err(error),
+                Err(error) if start.elapsed() > limit => return Err(error),
+                Err(_) => {
+                    // With what is thrown away may be the beginning.
+                    rest = bytes;
+                    self.discard_output();
+                    thread::sleep(LOOK);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Writes, unless there is no room at all.
+    fn write_if_ready(&self, bytes: &[u8]) -> io::Result<()> {
+        let mut waiting = [PollFd::new(&self.output, PollFlags::OUT)];
+        match poll(&mut waiting, Some(&Timespec::default()))? {
+            0 => Err(ErrorKind::TimedOut.into()),
+            _ => self.write(bytes),
+        }
     }
 
     /// Bytes that come within a time; none if none do.
@@ -126,4 +161,11 @@ impl Tty {
             height_px: size.ws_ypixel,
         })
     }
+}
+
+/// Opens a terminal by its name, so that writing to it never waits.
+fn open_unwaiting(terminal: &File) -> io::Result<File> {
+    let name = ttyname(terminal, Vec::new())?;
+    let flags = OFlags::WRONLY | OFlags::NONBLOCK | OFlags::NOCTTY | OFlags::CLOEXEC;
+    Ok(open(name.as_c_str(), flags, Mode::empty())?.into())
 }

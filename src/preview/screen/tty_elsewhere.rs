@@ -30,11 +30,6 @@ impl Tty {
         Ok(Self)
     }
 
-    /// The same terminal, for another thread.
-    pub(super) fn another(&self) -> io::Result<Self> {
-        Ok(Self)
-    }
-
     /// Keys come as they are hit, unechoed, Ctrl-C among them.
     pub(super) fn enter_raw(&self) -> io::Result<()> {
         crossterm::terminal::enable_raw_mode()
@@ -50,6 +45,11 @@ impl Tty {
         let mut output = io::stdout().lock();
         output.write_all(bytes)?;
         output.flush()
+    }
+
+    /// Writes all of it; how long that takes, is up to the system.
+    pub(super) fn write_within(&self, bytes: &[u8], _limit: Duration) -> io::Result<()> {
+        self.write(bytes)
     }
 
     /// No bytes: events are read by crossterm alone.
