@@ -59,10 +59,15 @@ struct Room {
 
 impl Room {
     fn new() -> Self {
+        Self::of(LIGHTS)
+    }
+
+    /// A room of a scene file without its mesh.
+    fn of(text: &str) -> Self {
         let folder = tempfile::tempdir().unwrap();
         let mesh = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/cornell/cornell.obj");
         let path = folder.path().join("room.toml");
-        fs::write(&path, format!("# A room.\nmesh = '{mesh}'\n{LIGHTS}")).unwrap();
+        fs::write(&path, format!("mesh = '{mesh}'\n{text}")).unwrap();
         let scene = Scene::load(&path, &[]).unwrap();
         Self {
             hands: Hands::new(&scene, Component::Global),
@@ -127,7 +132,7 @@ impl Room {
     /// Saves, reads back and takes the new file as the one that was loaded.
     fn save(&mut self) -> String {
         let bytes = fs::read(&self.path).unwrap();
-        let new = self.hands.saved_bytes(&bytes, &self.path, &[], &self.scene);
+        let new = self.hands.saved_bytes(&bytes, &self.path, &[]);
         let new = new.unwrap_or_else(|error| panic!("{error}: {:?}", self.hands.document()));
         fs::write(&self.path, &new).unwrap();
         let scene = Scene::load(&self.path, &[]).unwrap();
@@ -389,4 +394,16 @@ fn marks_are_drawn_over_the_picture_and_can_be_hidden() {
     );
     room.keys("Space");
     assert_eq!(room.hands.with_marks(&picture, &room.view), picture);
+}
+
+#[test]
+fn a_drag_that_begins_without_effect_is_undone_too() {
+    let mut room = Room::new();
+    let sky = room.cell_of(4);
+    // Up and down turns no sky.
+    let cells = [sky, [sky[0], sky[1] + 1], [sky[0] - 3, sky[1] + 1]];
+    room.drag(Button::Left, Held::NONE, &cells);
+    assert!(room.hands.is_unsaved());
+    room.keys("u");
+    assert!(!room.hands.is_unsaved());
 }

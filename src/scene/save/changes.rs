@@ -6,7 +6,7 @@ use super::editor::{Editor, Written};
 use super::layout::Place;
 use super::{Edited, SaveError, numbers};
 use crate::scene::file::default_light_name;
-use crate::scene::{Bounces, Camera, Light, LightKind, Radiance, RenderKeys, Scene, Tone};
+use crate::scene::{Bounces, Camera, Light, LightKind, Radiance, RenderKeys, Tone};
 
 /// A value of the scene file.
 #[derive(Debug, Clone, PartialEq)]
@@ -27,7 +27,7 @@ type Keys = Vec<(&'static str, Value)>;
 
 /// All that is to be written.
 pub(super) struct Changes<'a> {
-    loaded: &'a Scene,
+    loaded: Edited<'a>,
     edited: Edited<'a>,
     /// Of each edited light, in order, the light of the file that it was.
     origins: Vec<Option<usize>>,
@@ -44,11 +44,11 @@ pub(super) fn cameras_differ(a: &Camera, b: &Camera) -> bool {
 }
 
 impl<'a> Changes<'a> {
-    pub(super) fn between(loaded: &'a Scene, edited: Edited<'a>) -> Self {
+    pub(super) fn between(loaded: Edited<'a>, edited: Edited<'a>) -> Self {
         Self {
             loaded,
             edited,
-            origins: origins(&loaded.lights, edited.lights),
+            origins: origins(loaded.lights, edited.lights),
         }
     }
 
@@ -57,7 +57,7 @@ impl<'a> Changes<'a> {
         self.lights(editor)?;
         self.materials(editor)?;
         let keys = changed(
-            render_keys(&self.loaded.render),
+            render_keys(self.loaded.render),
             render_keys(self.edited.render),
         );
         set_all(editor, Place::Section("render"), &keys)
@@ -69,7 +69,7 @@ impl<'a> Changes<'a> {
         name: &'static str,
         keys: fn(&Camera) -> Keys,
     ) -> Result<(), SaveError> {
-        let keys = changed(keys(&self.loaded.camera), keys(self.edited.camera));
+        let keys = changed(keys(self.loaded.camera), keys(self.edited.camera));
         set_all(editor, Place::Section(name), &keys)
     }
 
@@ -98,33 +98,30 @@ impl<'a> Changes<'a> {
     }
 
     fn materials(&self, editor: &mut Editor) -> Result<(), SaveError> {
-        let pairs = self.loaded.materials.iter().zip(self.edited.albedos);
+        let pairs = self.loaded.albedos.iter().zip(self.edited.albedos);
         let mut seen: Vec<&str> = Vec::new();
-        for (loaded, albedo) in pairs {
+        for (name, (old, new)) in self.loaded.material_names.iter().zip(pairs) {
             // A second material of a name is the first one without its maps.
-            if seen.contains(&loaded.name.as_str()) {
+            if seen.contains(&name.as_str()) {
                 continue;
             }
-            seen.push(&loaded.name);
-            let albedo = Value::Colour(*albedo);
-            if same(&Value::Colour(loaded.albedo), &albedo) {
+            seen.push(name);
+            let albedo = Value::Colour(*new);
+            if same(&Value::Colour(*old), &albedo) {
                 continue;
             }
             let list = editor.list("material")?;
-            let name = Some(loaded.name.as_str());
             let mut entries = list.entries().iter();
-            let known = entries
-                .position(|entry| entry.key("name").and_then(|key| key.string.as_deref()) == name);
+            let known = entries.position(|entry| {
+                entry.key("name").and_then(|key| key.string.as_deref()) == Some(name)
+            });
             match known {
                 Some(index) => {
                     editor.set(Place::Entry("material", index), "albedo", &written(&albedo))?;
                 }
                 None => editor.append_entry(
                     "material",
-                    &[
-                        ("name", quoted(&loaded.name)),
-                        ("albedo", written(&albedo).text()),
-                    ],
+                    &[("name", quoted(name)), ("albedo", written(&albedo).text())],
                 )?,
             }
         }

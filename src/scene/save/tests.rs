@@ -60,17 +60,25 @@ fn load(bytes: &[u8], overrides: &[Override]) -> Scene {
     Scene::load_with(bytes, Path::new("s.toml"), overrides, &files()).unwrap()
 }
 
-fn edited<'a>(scene: &'a Scene, albedos: &'a [Vec3]) -> Edited<'a> {
-    Edited {
-        lights: &scene.lights,
-        albedos,
-        camera: &scene.camera,
-        render: &scene.render,
-    }
-}
+/// What of a scene is saved, with the lists that it is made of.
+struct Parts(Scene, Vec<String>, Vec<Vec3>);
 
-fn albedos(scene: &Scene) -> Vec<Vec3> {
-    scene.materials.iter().map(|m| m.albedo).collect()
+impl Parts {
+    fn of(scene: &Scene) -> Self {
+        let names = scene.materials.iter().map(|m| m.name.clone()).collect();
+        let albedos = scene.materials.iter().map(|m| m.albedo).collect();
+        Self(scene.clone(), names, albedos)
+    }
+
+    fn edited(&self) -> Edited<'_> {
+        Edited {
+            lights: &self.0.lights,
+            material_names: &self.1,
+            albedos: &self.2,
+            camera: &self.0.camera,
+            render: &self.0.render,
+        }
+    }
 }
 
 fn save_with(text: &str, sets: &[&str], edit: impl Fn(&mut Scene)) -> Result<String, SaveError> {
@@ -83,8 +91,8 @@ fn save_with(text: &str, sets: &[&str], edit: impl Fn(&mut Scene)) -> Result<Str
         text.as_bytes(),
         path,
         &overrides,
-        &loaded,
-        edited(&scene, &albedos(&scene)),
+        Parts::of(&loaded).edited(),
+        Parts::of(&scene).edited(),
         &files(),
     )?;
     Ok(String::from_utf8(bytes).unwrap())
@@ -452,6 +460,11 @@ fn what_the_reader_would_refuse_is_not_given_out() {
     assert!(matches!(error, Err(SaveError::Refused(_))), "{error:?}");
     let loaded = load(SCENE.as_bytes(), &[]);
     let other = SCENE.replace("[[light]]\n  kind", "# [[light]]\n  kind");
-    let error = edited_text(&other, &loaded, edited(&loaded, &albedos(&loaded))).unwrap_err();
+    let error = edited_text(
+        &other,
+        Parts::of(&loaded).edited(),
+        Parts::of(&loaded).edited(),
+    )
+    .unwrap_err();
     assert!(matches!(error, SaveError::NotTheText(_)), "{error}");
 }
