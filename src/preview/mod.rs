@@ -1,8 +1,8 @@
 //! The interactive terminal program: a scene is lit by hand in a terminal.
 //!
-//! What a person does comes in as [`input`], from a terminal or a [`script`];
-//! [`keys`] says which [`command`] it is, and [`hands`] turns that into [`edits`] of
-//! a [`document`], which can all be undone ([`history`]).
+//! What a person does comes in as `input`, from a terminal or a `script`;
+//! `keys` says which `command` it is, and `hands` turns that into `edits` of
+//! a `document`, which can all be undone (`history`).
 
 mod camera_moves;
 mod colour;

@@ -14,6 +14,7 @@ mod lists;
 mod numbers;
 #[cfg(test)]
 mod tests;
+mod values;
 
 use std::path::Path;
 
@@ -123,13 +124,13 @@ fn check(read: &Document, edited: Edited<'_>, is_whole: bool) -> Result<(), Save
     }
     let lights_differ = read.lights.len() != edited.lights.len()
         || read.lights.iter().zip(edited.lights).any(|(read, edited)| {
-            read.name != edited.name || changes::differ(&read.kind, &edited.kind)
+            read.name != edited.name || values::differ(&read.kind, &edited.kind)
         });
     for (what, differs) in [
         ("a light", lights_differ),
         (
             "the camera",
-            changes::cameras_differ(&read.camera, edited.camera),
+            values::cameras_differ(&read.camera, edited.camera),
         ),
         ("[render]", read.render != *edited.render),
     ] {

@@ -1,5 +1,7 @@
 //! Byte by byte: what an edit leaves of a scene file, and what it writes.
 
+mod entries;
+
 use std::path::Path;
 
 use glam::{DVec3, Vec3};
@@ -225,66 +227,10 @@ fn keys_entries_and_sections_are_added_behind_what_is_there() {
 }
 
 #[test]
-fn an_empty_line_parts_new_lights_from_what_follows() {
-    let text = SCENE.replace(
-        "radiance = [0.1, 0.1, 0.1]\n\n# What frames are like.\n",
-        "radiance = [0.1, 0.1, 0.1]\n",
-    );
-    let sky = Light {
-        name: "new".to_owned(),
-        kind: LightKind::Environment(crate::scene::Environment {
-            radiance: crate::scene::Radiance::Constant(Vec3::ONE),
-            scale: 1.0,
-            rotation_deg: 0.0,
-        }),
-    };
-    let new = save(&text, |scene| scene.lights.push(sky.clone()));
-    let block = "\n[[light]]\nname = \"new\"\nkind = \"environment\"\nradiance = [1.0, 1.0, 1.0]\n\n[render]";
-    assert_eq!(new, with(&text, &[["[render]", block]]));
-}
-
-#[test]
 fn a_section_that_is_missing_is_added() {
     let text = SCENE.split("\n# What frames").next().unwrap();
     let new = save(text, |scene| scene.render.bounces = Bounces::Count(2));
     assert_eq!(new, format!("{text}\n[render]\nbounces = 2\n"));
-}
-
-#[test]
-fn lights_go_with_their_own_comments() {
-    let new = save(SCENE, |scene| drop(scene.lights.remove(0)));
-    let start = SCENE.find("# The lamp hangs").unwrap();
-    let end = SCENE.find("# A spot without").unwrap();
-    let without = format!("{}{}", &SCENE[..start], &SCENE[end..]);
-    // The spot was the second light and keeps the name it had by that.
-    let expected = with(
-        &without,
-        &[[
-            "[[light]]\n  kind",
-            "[[light]]\n  name = \"light2\"\n  kind",
-        ]],
-    );
-    assert_eq!(new, expected);
-
-    let new = save(SCENE, |scene| drop(scene.lights.remove(1)));
-    let start = SCENE.find("# A spot without").unwrap();
-    let end = SCENE.find("# The sky comes last").unwrap();
-    assert_eq!(new, format!("{}{}", &SCENE[..start], &SCENE[end..]));
-
-    let text = SCENE.split("\n# What frames").next().unwrap();
-    let last = text.find("# The sky comes last").unwrap();
-    let new = save(text, |scene| drop(scene.lights.pop()));
-    assert_eq!(new, text[..last]);
-    let new = save(text.trim_end(), |scene| drop(scene.lights.pop()));
-    assert_eq!(new, text[..last].trim_end());
-    let new = save(text, |scene| scene.lights.clear());
-    assert_eq!(
-        new,
-        format!(
-            "{}\n",
-            text[..text.find("\n# The lamp").unwrap()].trim_end()
-        )
-    );
 }
 
 #[test]
@@ -305,112 +251,6 @@ fn a_moved_spot_keeps_its_target_key_and_its_direction() {
     assert_eq!(new, expected);
     let turned = DVec3::new(0.3, -0.8, 0.1).normalize().as_vec3();
     save(SCENE, |scene| spot(&mut scene.lights[1]).direction = turned);
-}
-
-#[test]
-fn tables_in_braces_and_keys_with_dots_stay_so() {
-    let text = "mesh = 'm.obj'\ncamera.position = [0, 0, 5] # eye\ncamera.target = [0, 0, 0]\n\
-                camera.vfov = 40\ncamera.size = [8, 8]\n\
-                light = [{ kind = 'point', position = [0, 0, 1], intensity = [1, 1, 1] }, {kind='environment',radiance=[1,1,1]}] # two\n\
-                render = { bounces = 1 }\nmaterial = [{ name = 'floor' }]\n";
-    let new = save(text, |scene| {
-        scene.camera.position.z = 4.5;
-        scene.camera.up = DVec3::X;
-        point(&mut scene.lights[0]).position.z = 2.0;
-        scene.render.exposure = 1.0;
-        scene.materials[0].albedo = Vec3::ONE;
-        scene.lights.push(lamp("new"));
-    });
-    let expected = with(
-        text,
-        &[
-            ["[0, 0, 5]", "[0, 0, 4.5]"],
-            [
-                "camera.size = [8, 8]\n",
-                "camera.size = [8, 8]\ncamera.up = [1.0, 0.0, 0.0]\n",
-            ],
-            ["position = [0, 0, 1]", "position = [0, 0, 2.0]"],
-            [
-                "radiance=[1,1,1]}]",
-                "radiance=[1,1,1]}, { name = \"new\", kind = \"point\", \
-                 position = [0.1, 1.0, 0.0], intensity = [2.5, 2.5, 2.5] }]",
-            ],
-            ["{ bounces = 1 }", "{ bounces = 1, exposure = 1.0 }"],
-            [
-                "{ name = 'floor' }",
-                "{ name = 'floor', albedo = [1.0, 1.0, 1.0] }",
-            ],
-        ],
-    );
-    assert_eq!(new, expected);
-    let new = save(text, |scene| drop(scene.lights.remove(1)));
-    assert_eq!(
-        new,
-        with(text, &[[", {kind='environment',radiance=[1,1,1]}", ""]])
-    );
-    let new = save(text, |scene| drop(scene.lights.remove(0)));
-    let first = "{ kind = 'point', position = [0, 0, 1], intensity = [1, 1, 1] }, ";
-    assert_eq!(
-        new,
-        with(
-            text,
-            &[
-                [first, ""],
-                ["radiance=[1,1,1]}", "radiance=[1,1,1], name = \"light2\"}"]
-            ]
-        )
-    );
-    let new = save(text, |scene| {
-        scene.lights.clear();
-        scene.lights.push(lamp("light1"));
-    });
-    assert!(
-        new.contains("light = [{ kind = 'point', position = [0.1, 1.0, 0.0]"),
-        "{new}"
-    );
-    let new = save(text, |scene| scene.lights.clear());
-    assert!(new.contains("light = [] # two\n"), "{new}");
-}
-
-#[test]
-fn lists_in_braces_over_several_lines_keep_their_comments() {
-    let light = |name: &str| {
-        format!(
-            "{{ name = '{name}', kind = 'point', position = [0, 0, 1], intensity = [1, 1, 1] }}"
-        )
-    };
-    let [a, b, c] = ["a", "b", "c"].map(light);
-    let text = format!(
-        "mesh = 'm.obj'\ncamera = {{ position = [0, 0, 5], target = [0, 0, 0], vfov = 40, size = [8, 8] }}\n\
-         light = [ # all\n  # left\n  {a}, # A\n  # middle\n  {b}, # B\n  {c} # C\n]\n"
-    );
-    let new = save(&text, |scene| drop(scene.lights.remove(1)));
-    assert_eq!(
-        new,
-        with(&text, &[[&format!("  # middle\n  {b}, # B\n"), ""]])
-    );
-    let added = "{ name = \"new\", kind = \"point\", position = [0.1, 1.0, 0.0], intensity = [2.5, 2.5, 2.5] }";
-    let new = save(&text, |scene| scene.lights.push(lamp("new")));
-    assert_eq!(
-        new,
-        with(
-            &text,
-            &[[&format!("  {c} # C\n"), &format!("  {c}, # C\n  {added}\n")]]
-        )
-    );
-    let new = save(&text, |scene| {
-        scene.lights.pop();
-        scene.lights.push(lamp("new"));
-    });
-    assert_eq!(
-        new,
-        with(
-            &text,
-            &[[&format!("  {c} # C\n"), &format!("  {added},\n")]]
-        )
-    );
-    let new = save(&text, |scene| scene.lights.clear());
-    assert!(new.ends_with("light = [ # all\n]\n"), "{new}");
 }
 
 #[test]
