@@ -2,7 +2,8 @@
 
 use super::command::{Command, Request};
 use super::input::{Code, Held, Key};
-use super::light_edits::{NewKind, Way};
+use super::light_edits::Way;
+use super::new_lights::NewKind;
 
 /// Steps of a command with Shift (or the capital letter), and with Alt or Ctrl.
 const COARSE: f64 = 10.0;

@@ -16,6 +16,7 @@ mod input;
 mod keys;
 mod light_edits;
 mod marks;
+mod new_lights;
 mod script;
 mod shapes;
 mod steps;
