@@ -110,6 +110,7 @@ impl Hands {
         &self.document
     }
 
+    #[cfg(test)]
     pub(crate) fn selection(&self) -> Selection {
         self.selection
     }
@@ -124,11 +125,6 @@ impl Hands {
                 name => Some(name),
             },
         }
-    }
-
-    /// Whether something is held with the mouse: the picture should be fast.
-    pub(crate) fn is_dragging(&self) -> bool {
-        self.drag.as_ref().is_some_and(|drag| drag.has_moved)
     }
 
     /// Whether there is something to save.

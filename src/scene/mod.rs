@@ -73,6 +73,9 @@ pub struct Scene {
     pub animations: Vec<Animation>,
     /// `[golden]`.
     pub golden: GoldenKeys,
+    /// The files besides the scene file that it was read from, or that it names
+    /// and are not there.
+    pub files: Vec<std::path::PathBuf>,
     /// What was dropped, clamped or is not rendered yet: one sentence a kind.
     pub warnings: Vec<String>,
 }
