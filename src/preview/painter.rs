@@ -232,3 +232,97 @@ fn enlarged(levels: &EncodedImage, [width, height]: [u32; 2]) -> EncodedImage {
     }
     EncodedImage::of_bytes(width, height, bytes).expect("three bytes a pixel were written")
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::sample_scenes::{point_light, room_with_blocks};
+    use crate::scene::{LightKind, Scene};
+    use glam::DVec3;
+
+    fn room() -> Scene {
+        let mut scene = room_with_blocks(false, 0.5, 64);
+        scene.lights = vec![point_light(DVec3::new(0.2, 0.7, 0.5), 2.0)];
+        scene
+    }
+
+    fn wish(scene: &Scene) -> Wish {
+        let mut frame = FrameSettings::of_scene(scene);
+        frame.camera.size = [37, 22];
+        Wish {
+            lights: scene.lights.clone(),
+            materials: scene.materials.clone(),
+            frame,
+            exposure: 0.5,
+            tone: Tone::Filmic,
+            fine_size: Some([74, 44]),
+        }
+    }
+
+    #[test]
+    fn a_picture_at_rest_is_that_of_a_fresh_renderer() {
+        let (mut scene, run) = (room(), RunSettings::silent());
+        let mut renderer = Renderer::new(scene.clone(), None);
+        renderer.bake(&run).unwrap();
+        let mut painter = Painter::new(renderer);
+        for step in 0..3 {
+            if let LightKind::Point(lamp) = &mut scene.lights[0].kind {
+                lamp.position.x -= 0.1 * f64::from(step);
+            }
+            let wish = wish(&scene);
+            let mut seen = Vec::new();
+            while let Some(drawn) = painter.next(&wish, &run).unwrap() {
+                seen.push(drawn.sharpness);
+                let settings = settings(&wish, drawn.sharpness);
+                if !matches!(drawn.sharpness, Sharpness::Draft(_)) {
+                    let mut fresh = Renderer::new(scene.clone(), None);
+                    let frame = fresh.frame(&settings, &run).unwrap();
+                    assert_eq!(drawn.levels, frame.develop(0.5, Tone::Filmic));
+                    assert!(!drawn.lacks_bake);
+                }
+                assert_eq!(drawn.seen.size, settings.camera.size);
+            }
+            assert_eq!(seen[0], Sharpness::Draft(painter.coarseness.max(1)));
+            assert_eq!(seen[seen.len() - 2..], [Sharpness::Full, Sharpness::Fine]);
+            assert!(painter.next_step(&wish).is_none());
+        }
+    }
+
+    #[test]
+    fn without_a_bake_there_is_direct_light() {
+        let scene = room();
+        let mut painter = Painter::new(Renderer::new(scene.clone(), None));
+        let wish = wish(&scene);
+        let drawn = painter
+            .next(&wish, &RunSettings::silent())
+            .unwrap()
+            .unwrap();
+        assert!(drawn.lacks_bake);
+        assert!(drawn.levels.bytes().iter().any(|&level| level > 0));
+    }
+
+    #[test]
+    fn slow_pixels_become_larger_and_quick_ones_smaller() {
+        let mut painter = Painter::new(Renderer::new(room(), None));
+        let stages = Stages::default();
+        for (ms, coarseness) in [
+            (20.0, 2),
+            (20.0, 4),
+            (20.0, 8),
+            (99.0, 8),
+            (10.0, 8),
+            (3.0, 4),
+        ] {
+            painter.adapt(painter.coarseness, ms, &stages);
+            assert_eq!(painter.coarseness, coarseness, "{ms} ms");
+        }
+        let (wide, small) = ([5, 3], [[9, 0, 0], [0, 9, 0], [0, 0, 9]]);
+        let levels = EncodedImage::of_bytes(3, 1, small.concat()).unwrap();
+        let large = enlarged(&levels, wide);
+        assert_eq!(
+            large.bytes()[..15],
+            [9, 0, 0, 9, 0, 0, 0, 9, 0, 0, 9, 0, 0, 0, 9]
+        );
+        assert_eq!(large.bytes()[..15], large.bytes()[30..]);
+    }
+}

@@ -5,6 +5,8 @@
 
 mod files;
 mod prompt;
+#[cfg(test)]
+mod tests;
 
 pub(crate) use files::load;
 

@@ -248,3 +248,95 @@ impl Drawing {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::sync::mpsc::{Receiver, channel};
+    use std::time::Instant;
+
+    use super::*;
+    use crate::bake::Scheme;
+    use crate::relight::FrameSettings;
+    use crate::scene::sample_scenes::{point_light, room_with_blocks};
+    use crate::scene::{Scene, Tone};
+    use glam::DVec3;
+
+    fn room() -> Scene {
+        let mut scene = room_with_blocks(false, 0.5, 64);
+        scene.lights = vec![point_light(DVec3::new(0.2, 0.7, 0.5), 2.0)];
+        scene.render.bounces = crate::scene::Bounces::Count(0);
+        scene
+    }
+
+    fn wish(scene: &Scene, width: u32) -> Wish {
+        let mut frame = FrameSettings::of_scene(scene);
+        frame.camera.size = [width, 20];
+        Wish {
+            lights: scene.lights.clone(),
+            materials: scene.materials.clone(),
+            frame,
+            exposure: 0.0,
+            tone: Tone::Srgb,
+            fine_size: None,
+        }
+    }
+
+    fn preparation() -> Preparation {
+        Preparation {
+            cache_folder: None,
+            scheme: Scheme::Relume,
+            threads: 1,
+            level: Level::detect(),
+        }
+    }
+
+    /// Numbers and sharpness of the pictures until the worker rests.
+    fn pictures(messages: &Receiver<Message>) -> Vec<(u64, Sharpness)> {
+        let patience = 20 * RESTS_AFTER;
+        let mut seen = Vec::new();
+        while let Ok(message) = messages.recv_timeout(patience) {
+            if let Message::Drawn { number, drawn } = message {
+                seen.push((number, drawn.sharpness));
+            }
+        }
+        seen
+    }
+
+    #[test]
+    fn the_newest_wish_is_drawn_to_the_end_and_then_nothing() {
+        let scene = room();
+        let (queue, messages) = channel();
+        let worker = Worker::start(&preparation(), queue).unwrap();
+        // A wish may come before there is anything to draw it with.
+        worker.show(1, wish(&scene, 30));
+        worker.send(Errand::Adopt(Box::new(Renderer::new(scene.clone(), None))));
+        for number in 2..=40 {
+            worker.show(number, wish(&scene, 30 + (number % 7) as u32));
+        }
+        let seen = pictures(&messages);
+        let last: Vec<_> = seen.iter().filter(|(number, _)| *number == 40).collect();
+        assert_eq!(last.last(), Some(&&(40, Sharpness::Full)), "{seen:?}");
+        let full = seen
+            .iter()
+            .filter(|(_, sharpness)| *sharpness == Sharpness::Full);
+        assert_eq!(full.count(), 1, "nobody waits for the others: {seen:?}");
+        assert!(pictures(&messages).is_empty(), "at rest");
+    }
+
+    #[test]
+    fn a_wish_for_another_scene_draws_nothing_and_does_not_spin() {
+        let scene = room();
+        let (queue, messages) = channel();
+        let worker = Worker::start(&preparation(), queue).unwrap();
+        worker.send(Errand::Adopt(Box::new(Renderer::new(scene.clone(), None))));
+        let mut other = wish(&scene, 30);
+        other.materials.push(other.materials[0].clone());
+        worker.show(1, other);
+        assert!(pictures(&messages).is_empty());
+        worker.show(2, wish(&scene, 30));
+        assert!(!pictures(&messages).is_empty());
+        let end = Instant::now();
+        drop(worker);
+        assert!(end.elapsed() < Duration::from_secs(5), "it ends at once");
+    }
+}
