@@ -1,6 +1,7 @@
 //! What can be done to a scene and to the program, whichever key does it.
 
-use super::light_edits::{NewKind, Way};
+use super::light_edits::Way;
+use super::new_lights::NewKind;
 
 /// One thing to do. Signs are 1 for more or the next, -1 for less or the one
 /// before.

@@ -1,15 +1,11 @@
 //! What can be edited of a scene, and how the renderer and the scene file see it.
 
-use std::path::Path;
 use std::sync::Arc;
 
 use glam::{DVec3, Vec3};
 
 use crate::relight::Component;
-use crate::scene::{
-    Area, Camera, Edited, Light, LightKind, Override, Radiance, RenderKeys, SaveError, Scene,
-    edited_bytes,
-};
+use crate::scene::{Area, Camera, Light, LightKind, Radiance, RenderKeys, Scene};
 
 /// Largest magnitude of a number of the scene file.
 const LARGEST: f64 = 1e30;
@@ -112,27 +108,6 @@ impl Document {
     /// Whether anything differs.
     pub(crate) fn differs(&self, other: &Self) -> bool {
         Changed::between(self, other).any() || self.saves_as_other(other)
-    }
-
-    /// The bytes of the scene file with what was edited since it was loaded from
-    /// `bytes`; see [`edited_bytes`].
-    ///
-    /// # Errors
-    /// As [`edited_bytes`].
-    pub(crate) fn saved(
-        &self,
-        bytes: &[u8],
-        path: &Path,
-        overrides: &[Override],
-        loaded: &Scene,
-    ) -> Result<Vec<u8>, SaveError> {
-        let edited = Edited {
-            lights: &self.lights(),
-            albedos: &self.albedos,
-            camera: &self.camera,
-            render: &self.render,
-        };
-        edited_bytes(bytes, path, overrides, loaded, edited)
     }
 
     /// Whether the scene file may say all of it.

@@ -37,6 +37,8 @@ pub(super) struct Drag {
     pub(super) cell: [u16; 2],
     /// Whether the pointer has left that cell.
     pub(super) has_moved: bool,
+    /// Whether what was before is kept for undo.
+    pub(super) is_recorded: bool,
     /// Pixels of the press, and from the pointer to what was taken hold of.
     start_px: DVec2,
     grip: DVec2,
@@ -58,6 +60,7 @@ impl Drag {
             what,
             cell,
             has_moved: false,
+            is_recorded: false,
             start_px,
             grip: grip_px.map_or(DVec2::ZERO, |px| px - start_px),
             start,

@@ -2,7 +2,8 @@
 
 use super::command::{Command, Request};
 use super::input::{Code, Held, Key};
-use super::light_edits::{NewKind, Way};
+use super::light_edits::Way;
+use super::new_lights::NewKind;
 
 /// Steps of a command with Shift (or the capital letter), and with Alt or Ctrl.
 const COARSE: f64 = 10.0;
@@ -64,11 +65,11 @@ pub(crate) const ROWS: [Row; 39] = [
     row("Camera", &[("v", C::ResetView)], "the view of the file"),
     row("Camera", &[("V", C::LookAtSelected)], "look at the selected light, or the point clicked last"),
     row("Picture", &[("1", C::Show(0)), ("2", C::Show(1)), ("3", C::Show(2)), ("4", C::Show(3)), ("5", C::Show(4)), ("6", C::Show(5)), ("7", C::Show(6)), ("8", C::Show(7)), ("9", C::Show(8))], "component: global, direct, indirect, irradiance, albedo, normal, depth, approximated direct, partitions"),
-    row("Picture", &[("+", C::Bounces(1)), ("=", C::Bounces(1)), ("-", C::Bounces(-1)), ("*", C::AllBounces)], "more, fewer, all bounces"),
+    row("Picture", &[("+", C::Bounces(1)), ("=", C::Bounces(1)), ("-", C::Bounces(-1)), ("*", C::AllBounces)], "more (either key), fewer, all bounces"),
     row("Picture", &[("e", C::Exposure(1)), ("E", C::Exposure(-1))], "exposure up, down by a third of a stop"),
     row("Picture", &[("/", C::Tone)], "other tone curve"),
     row("Picture", &[("Space", C::Marks)], "hide, show the marks of lights"),
-    row("Program", &[("u", C::Undo), ("U", C::Redo), ("ctrl+r", C::Redo)], "undo, redo"),
+    row("Program", &[("u", C::Undo), ("U", C::Redo), ("ctrl+r", C::Redo)], "undo, redo (either key)"),
     row("Program", &[("ctrl+s", C::Ask(Request::Save)), ("P", C::Ask(Request::WritePng))], "save the scene file, write a PNG at full size"),
     row("Program", &[("?", C::Ask(Request::Help)), ("F1", C::Ask(Request::Help)), ("ctrl+l", C::Ask(Request::Redraw))], "these keys, draw the screen again"),
     row("Program", &[("q", C::Ask(Request::Quit)), ("ctrl+z", C::Ask(Request::Suspend)), ("ctrl+c", C::Ask(Request::Interrupt))], "quit, suspend, end at once"),
@@ -223,6 +224,23 @@ pub(crate) fn help() -> Vec<(String, &'static str)> {
     lines
 }
 
+/// The keys as a table of Markdown, for the README.
+#[cfg(test)]
+pub(crate) fn markdown() -> String {
+    let keys = ROWS.iter().map(|row| {
+        let keys = shown_keys(row).replace(' ', "` `").replace('|', "\\|");
+        format!("| `{keys}` | {} |\n", row.help)
+    });
+    let mouse = MOUSE
+        .iter()
+        .map(|(what, help)| format!("| {what} | {help} |\n"));
+    format!(
+        "| key | what |\n|---|---|\n{}{}",
+        keys.collect::<String>(),
+        mouse.collect::<String>()
+    )
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -274,6 +292,7 @@ mod tests {
         for expected in ["Tab Shift-Tab", "u U Ctrl-R", "n n Ctrl-D", "+ = - *"] {
             assert!(keys.contains(&expected), "{keys:?}");
         }
+        assert!(markdown().contains("| `Tab` `Shift-Tab` | next, previous light |"));
         assert!(continuations(Key::parse("n").unwrap()).contains("p new point light"));
     }
 }

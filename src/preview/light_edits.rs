@@ -1,25 +1,15 @@
-//! Edits of one light: where it is, where it looks, how wide it is; and new ones.
+//! Edits of one light: where it is, where it looks, how wide it is.
 
 use glam::{DVec3, Vec3};
 
-use super::colour::{digits, tidy as tidy_colour};
-use super::document::{EditedLight, position, set_position};
+use super::colour::digits;
+use super::document::{position, set_position};
 use super::steps::{direction, nearest_axis, rotated, step, tidy};
-use crate::maths::functions::exp2;
 use crate::maths::order::Order;
-use crate::scene::{
-    Area, Camera, Directional, Environment, Light, LightKind, Point, Radiance, Spot,
-};
+use crate::scene::{Area, Camera, LightKind};
 
 /// Half angles of a cone that steps keep to, degrees.
 const CUTOFFS_DEG: [f32; 2] = [1.0, 90.0];
-/// Light that a new lamp gives, so that it shows: irradiance in half an extent, W/m2.
-const NEW_IRRADIANCE: f64 = 4.0;
-/// A new light stands so far before the target, extents.
-const NEW_DISTANCE: f64 = 0.2;
-/// Sides of a new rectangle, extents.
-const NEW_SIDE: f64 = 0.2;
-
 /// Which way a light or the camera goes, as the picture shows it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Way {
@@ -29,16 +19,6 @@ pub(crate) enum Way {
     Down,
     Away,
     Closer,
-}
-
-/// Kinds that can be added.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum NewKind {
-    Point,
-    Spot,
-    Directional,
-    Area,
-    Environment,
 }
 
 impl Way {
@@ -59,9 +39,15 @@ impl Way {
 /// picture. Light from infinitely far away turns instead.
 pub(crate) fn nudge(kind: &mut LightKind, way: Way, steps: f64, camera: &Camera, extent: f64) {
     let [right, up, away] = way.signs().map(|sign| sign * steps);
+    if let LightKind::Directional(light) = kind {
+        // The sun goes where its mark is to go: it stands before or beyond the target.
+        let view = camera.target - camera.position;
+        let is_before = light.direction.as_dvec3().dot(view) > 0.0;
+        turn(kind, if is_before { -right } else { right }, camera);
+        return tilt(kind, -up, camera);
+    }
     let Some(old) = position(kind) else {
-        turn(kind, right, camera);
-        return tilt(kind, up, camera);
+        return turn(kind, right, camera);
     };
     let [x, y, z] = camera_axes(camera);
     let by = (x * right + y * up + z * away) * step(extent);
@@ -94,7 +80,8 @@ pub(crate) fn turn(kind: &mut LightKind, steps: f64, camera: &Camera) {
     let up = camera.up.normalize();
     look(kind, |axis| rotated(axis, up, -5.0 * steps));
     if let LightKind::Environment(light) = kind {
-        let turned = f64::from(light.rotation_deg) + 5.0 * steps;
+        // What the rotation adds to u moves the map to the left.
+        let turned = f64::from(light.rotation_deg) - 5.0 * steps;
         light.rotation_deg = digits(turned.rem_euclid(360.0), 7) as f32 % 360.0;
     }
 }
@@ -230,95 +217,6 @@ pub(crate) fn open_beam(kind: &mut LightKind, steps: f64) -> bool {
     }
 }
 
-/// A light where the camera looks, so bright that it shows at this exposure.
-pub(crate) fn new_light(
-    kind: NewKind,
-    name: String,
-    camera: &Camera,
-    extent: f64,
-    exposure: f32,
-) -> Light {
-    let view = camera.target - camera.position;
-    let forward = view.normalize();
-    let right = forward.cross(camera.up).normalize();
-    let down = forward.cross(right);
-    let reach = view.length().at_most(extent) * NEW_DISTANCE;
-    let place = tidy(camera.target - forward * reach, extent);
-    let irradiance = NEW_IRRADIANCE * exp2(-f64::from(exposure));
-    let grey = |value: f64| {
-        let bounded = value.at_most(1e29).at_least(1e-30);
-        tidy_colour(DVec3::splat(digits(bounded, 3)))
-    };
-    let intensity = grey(irradiance * 0.25 * extent * extent);
-    let side = extent * NEW_SIDE;
-    let kind = match kind {
-        NewKind::Point => LightKind::Point(Point {
-            position: place,
-            intensity,
-        }),
-        NewKind::Spot => LightKind::Spot(Spot {
-            position: place,
-            direction: direction(forward),
-            intensity,
-            cutoff_deg: 30.0,
-            beam_deg: 22.5,
-        }),
-        NewKind::Directional => LightKind::Directional(Directional {
-            direction: direction(forward + down),
-            irradiance: grey(irradiance),
-        }),
-        NewKind::Area => {
-            // Looks the way the camera does.
-            let (edge_u, edge_v) = (tidy(right * side, extent), tidy(down * side, extent));
-            LightKind::Area(Area {
-                corner: tidy(place - (edge_u + edge_v) * 0.5, extent),
-                edge_u,
-                edge_v,
-                radiance: grey(irradiance * 0.25 / (NEW_SIDE * NEW_SIDE)),
-            })
-        }
-        NewKind::Environment => LightKind::Environment(Environment {
-            radiance: Radiance::Constant(grey(irradiance * 0.25)),
-            scale: 1.0,
-            rotation_deg: 0.0,
-        }),
-    };
-    Light { name, kind }
-}
-
-impl NewKind {
-    /// The name that a light of the kind begins with.
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            Self::Point => "point",
-            Self::Spot => "spot",
-            Self::Directional => "sun",
-            Self::Area => "panel",
-            Self::Environment => "sky",
-        }
-    }
-}
-
-/// The name, or the name with the first number behind it that no light has.
-pub(crate) fn free_name(wanted: &str, lights: &[EditedLight]) -> String {
-    let is_free = |name: &str| lights.iter().all(|it| it.light.name != name);
-    let stem = match wanted.rsplit_once(' ') {
-        Some((stem, number)) if number.parse::<u32>().is_ok() && !stem.is_empty() => stem,
-        _ => wanted,
-    };
-    if is_free(wanted) {
-        return wanted.to_owned();
-    }
-    let mut number = 2_u64;
-    loop {
-        let name = format!("{stem} {number}");
-        if is_free(&name) {
-            return name;
-        }
-        number += 1;
-    }
-}
-
 /// What of a light a message says after an edit of its place or shape.
 pub(crate) fn described(kind: &LightKind) -> String {
     let vector = |v: DVec3| format!("{:.4} {:.4} {:.4}", v.x, v.y, v.z);
@@ -340,5 +238,80 @@ pub(crate) fn described(kind: &LightKind) -> String {
             light.edge_v.length()
         ),
         LightKind::Environment(light) => format!("rotation {:.1}", light.rotation_deg),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::marks::arrow_start;
+    use super::super::new_lights::{NewKind, new_light};
+    use super::super::view::sample_view;
+    use super::*;
+    use crate::scene::Directional;
+
+    fn seen(light: &LightKind) -> glam::DVec2 {
+        let (view, camera) = sample_view();
+        let LightKind::Directional(light) = light else {
+            panic!("{light:?} is no sun")
+        };
+        view.eye(&camera).project(arrow_start(light, &camera)).px
+    }
+
+    #[test]
+    fn a_sun_goes_where_its_arrow_says_before_and_beyond_the_target() {
+        let (_, camera) = sample_view();
+        for z in [-0.5, 0.5] {
+            let mut sun = LightKind::Directional(Directional {
+                direction: direction(DVec3::new(0.1, -1.0, z)),
+                irradiance: Vec3::ONE,
+            });
+            for (way, moves) in [
+                (Way::Right, [1.0, 0.0]),
+                (Way::Left, [-1.0, 0.0]),
+                (Way::Up, [0.0, -1.0]),
+                (Way::Down, [0.0, 1.0]),
+            ] {
+                let before = seen(&sun);
+                nudge(&mut sun, way, 1.0, &camera, 2.0);
+                let by = seen(&sun) - before;
+                assert!(by.dot(moves.into()) > 0.0, "{z} {way:?}: {by}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_spot_and_a_rectangle_look_at_what_they_are_aimed_at() {
+        let (_, camera) = sample_view();
+        let target = DVec3::new(0.3, 0.2, -0.4);
+        for kind in [NewKind::Spot, NewKind::Area] {
+            let mut light = new_light(kind, "x".to_owned(), &camera, 2.0, 0.0).kind;
+            let from = position(&light).unwrap();
+            turn(&mut light, 7.0, &camera);
+            tilt(&mut light, 30.0, &camera);
+            let up = axis(&light).unwrap();
+            assert!(
+                (up - DVec3::Y).length() < 1e-5,
+                "no further than straight up: {up}"
+            );
+            aim(&mut light, target, &camera);
+            let looks = axis(&light).unwrap();
+            assert!(
+                looks.dot((target - from).normalize()) > 1.0 - 1e-9,
+                "{kind:?}"
+            );
+            assert!((position(&light).unwrap() - from).length() < 1e-6);
+        }
+    }
+
+    #[test]
+    fn cones_stay_cones() {
+        let (_, camera) = sample_view();
+        let mut light = new_light(NewKind::Spot, "x".to_owned(), &camera, 2.0, 0.0).kind;
+        open(&mut light, -100.0);
+        open_beam(&mut light, 100.0);
+        let LightKind::Spot(spot) = light else {
+            panic!()
+        };
+        assert_eq!([spot.cutoff_deg, spot.beam_deg], [1.0, 1.0]);
     }
 }

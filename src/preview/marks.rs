@@ -22,12 +22,14 @@ const CONE: f64 = 0.2;
 const ARROW: f64 = 0.6;
 /// Marks of skies stand in the corner, so many cells apart.
 const COMPASS_CELLS: DVec2 = DVec2::new(4.0, 2.0);
-/// Colours of a mark, of the selected one and of a light that is not shown.
-const PLAIN: [u8; 3] = [235, 235, 235];
-const SELECTED: [u8; 3] = [255, 190, 0];
-const DARK: [u8; 3] = [130, 130, 140];
+/// Colours of a mark, of the selected one and of a light that is not shown: such
+/// as walls seldom have, since in a picture of cells a line has no room for black
+/// beside it.
+const PLAIN: [u8; 3] = [0, 160, 255];
+const SELECTED: [u8; 3] = [255, 40, 220];
+const DARK: [u8; 3] = [120, 120, 130];
 /// Width of lines, widths of a cell; at least a pixel.
-const LINE_CELLS: f64 = 0.15;
+const LINE_CELLS: f64 = 0.25;
 
 /// The mark of a light.
 #[derive(Debug, Clone)]
@@ -239,4 +241,51 @@ fn compass(pen: &mut Pen, px: DVec2, light: &Environment, eye: &Eye, cell: DVec2
     let radius = ring_radius(cell) * 2.0;
     pen.ring(px, radius);
     pen.line_px(px - needle * (0.5 * radius), px + needle * (1.5 * radius));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn mark(px: [f64; 2]) -> Mark {
+        Mark {
+            px: px.into(),
+            is_in_place: true,
+            lines: Vec::new(),
+            outline: None,
+        }
+    }
+
+    #[test]
+    fn the_nearest_mark_within_two_cells_is_meant() {
+        let (view, _) = super::super::view::sample_view();
+        let marks = [mark([10.0, 10.0]), mark([14.0, 10.0]), mark([14.0, 10.2])];
+        let meant = |px: [f64; 2], selected| nearest(&marks, &view, px.into(), selected);
+        assert_eq!(meant([11.0, 10.0], None), Some(0));
+        assert_eq!(meant([10.0, 12.5], None), None);
+        assert_eq!(meant([14.0, 10.0], None), Some(1));
+        // Clicks again and again reach all that lie in one place.
+        assert_eq!(meant([14.0, 10.0], Some(1)), Some(2));
+        assert_eq!(meant([14.0, 10.0], Some(2)), Some(1));
+        assert_eq!(nearest(&[], &view, DVec2::ZERO, None), None);
+    }
+
+    #[test]
+    fn the_outline_of_a_rectangle_can_be_taken_hold_of() {
+        let (view, camera) = super::super::view::sample_view();
+        let kind = LightKind::Area(Area {
+            corner: DVec3::new(-0.8, 0.5, 0.0),
+            edge_u: DVec3::X * 1.6,
+            edge_v: DVec3::Y * 1.0,
+            radiance: glam::Vec3::ONE,
+        });
+        let light = crate::scene::Light {
+            name: "panel".to_owned(),
+            kind,
+        };
+        let marks = marks(&[EditedLight::new(light)], &camera, &view);
+        let corner = view.eye(&camera).project(DVec3::new(-0.8, 0.75, 0.0)).px;
+        assert_eq!(nearest(&marks, &view, corner, None), Some(0));
+        assert_eq!(nearest(&marks, &view, corner + DVec2::X * 3.0, None), None);
+    }
 }

@@ -29,6 +29,7 @@ mod keys;
 mod light_edits;
 mod marks;
 mod message;
+mod new_lights;
 mod painter;
 mod panel;
 mod prepare;

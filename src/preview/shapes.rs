@@ -13,7 +13,7 @@ const PIECES: usize = 24;
 /// Pieces of a small ring.
 const RING_PIECES: usize = 8;
 /// Length and half width of an arrow's head over the arrow's length.
-const HEAD: [f64; 2] = [0.3, 0.12];
+const HEAD: [f64; 2] = [0.15, 0.06];
 /// Lines are cut so far beyond the border, pixels.
 const BEYOND: f64 = 16.0;
 

@@ -54,9 +54,12 @@ pub(crate) fn rotated(vector: DVec3, axis: DVec3, angle_deg: f64) -> DVec3 {
     vector * cosine + axis.cross(vector) * sine + axis * (axis.dot(vector) * (1.0 - cosine))
 }
 
-/// A direction as the scene file's reader rounds it.
+/// A direction as the scene file's reader rounds it; what is zero but for rounding
+/// is zero.
 pub(crate) fn direction(vector: DVec3) -> Vec3 {
-    vector.normalize_or(DVec3::NEG_Y).as_vec3() + 0.0
+    let unit = vector.normalize_or(DVec3::NEG_Y).to_array();
+    let snapped = unit.map(|x| if x.abs() < 1e-9 { 0.0 } else { x });
+    DVec3::from_array(snapped).normalize().as_vec3()
 }
 
 /// The world axis nearest to a direction, other than those that are taken.

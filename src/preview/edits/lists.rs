@@ -3,7 +3,8 @@
 use super::{Context, selected};
 use crate::preview::document::{self, Document, EditedLight};
 use crate::preview::hands::Selection;
-use crate::preview::light_edits::{self, NewKind, Way};
+use crate::preview::light_edits::{self, Way};
+use crate::preview::new_lights::{NewKind, free_name, new_light};
 
 pub(super) fn add(
     kind: NewKind,
@@ -11,9 +12,9 @@ pub(super) fn add(
     selection: &mut Selection,
     context: &Context<'_>,
 ) -> String {
-    let name = light_edits::free_name(kind.name(), &document.lights);
+    let name = free_name(kind.name(), &document.lights);
     let exposure = document.render.exposure;
-    let light = light_edits::new_light(kind, name, &document.camera, context.extent, exposure);
+    let light = new_light(kind, name, &document.camera, context.extent, exposure);
     let message = format!("{}: new", light.name);
     document.lights.push(EditedLight::new(light));
     *selection = Selection::Light(document.lights.len() - 1);
@@ -34,7 +35,7 @@ pub(super) fn duplicate(
         ));
     }
     let old = light.name.clone();
-    light.name = light_edits::free_name(&light.name, &document.lights);
+    light.name = free_name(&light.name, &document.lights);
     // Beside the other, or it could not be seen.
     if document::position(&light.kind).is_some() {
         light_edits::nudge(

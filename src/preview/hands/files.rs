@@ -7,7 +7,7 @@ use super::Hands;
 use crate::preview::command::Command;
 use crate::preview::document::Document;
 use crate::preview::history::History;
-use crate::scene::{Override, SaveError, Scene};
+use crate::scene::{Edited, Light, Override, SaveError, Scene, edited_bytes};
 
 impl Hands {
     /// What is now is what the file holds.
@@ -15,18 +15,32 @@ impl Hands {
         self.saved = self.document.clone();
     }
 
-    /// The bytes of the scene file with what was edited; see [`Document::saved`].
+    /// The bytes of the scene file with what was edited since it was loaded or
+    /// saved last, when it held `bytes`; `overrides` as it was loaded with. Mute and
+    /// solo are not saved.
     ///
     /// # Errors
-    /// As [`Document::saved`].
+    /// As [`edited_bytes`].
     pub(crate) fn saved_bytes(
         &self,
         bytes: &[u8],
         path: &Path,
         overrides: &[Override],
-        loaded: &Scene,
     ) -> Result<Vec<u8>, SaveError> {
-        self.document.saved(bytes, path, overrides, loaded)
+        let lights = [&self.saved, &self.document].map(Document::lights);
+        let loaded = self.as_saved(&self.saved, &lights[0]);
+        let edited = self.as_saved(&self.document, &lights[1]);
+        edited_bytes(bytes, path, overrides, loaded, edited)
+    }
+
+    fn as_saved<'a>(&'a self, document: &'a Document, lights: &'a [Light]) -> Edited<'a> {
+        Edited {
+            lights,
+            material_names: &self.material_names,
+            albedos: &document.albedos,
+            camera: &document.camera,
+            render: &document.render,
+        }
     }
 
     /// Takes over a scene whose files were changed by someone else. Lights that

@@ -87,8 +87,7 @@ impl Hands {
         let Some(drag) = &mut self.drag else {
             return Outcome::default();
         };
-        let is_first = !drag.has_moved;
-        if is_first && drag.cell == [mouse.column, mouse.row] {
+        if !drag.has_moved && drag.cell == [mouse.column, mouse.row] {
             return Outcome::default();
         }
         drag.has_moved = true;
@@ -96,7 +95,8 @@ impl Hands {
         if !document.is_valid() || !document.differs(&self.document) {
             return Outcome::default();
         }
-        if is_first {
+        if !drag.is_recorded {
+            drag.is_recorded = true;
             let before = (drag.start.clone(), self.selection);
             self.history
                 .record(before, Gesture::Single(self.gestures), now);

@@ -59,10 +59,15 @@ struct Room {
 
 impl Room {
     fn new() -> Self {
+        Self::of(LIGHTS)
+    }
+
+    /// A room of a scene file without its mesh.
+    fn of(text: &str) -> Self {
         let folder = tempfile::tempdir().unwrap();
         let mesh = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/cornell/cornell.obj");
         let path = folder.path().join("room.toml");
-        fs::write(&path, format!("# A room.\nmesh = '{mesh}'\n{LIGHTS}")).unwrap();
+        fs::write(&path, format!("mesh = '{mesh}'\n{text}")).unwrap();
         let scene = Scene::load(&path, &[]).unwrap();
         Self {
             hands: Hands::new(&scene, Component::Global),
@@ -127,7 +132,7 @@ impl Room {
     /// Saves, reads back and takes the new file as the one that was loaded.
     fn save(&mut self) -> String {
         let bytes = fs::read(&self.path).unwrap();
-        let new = self.hands.saved_bytes(&bytes, &self.path, &[], &self.scene);
+        let new = self.hands.saved_bytes(&bytes, &self.path, &[]);
         let new = new.unwrap_or_else(|error| panic!("{error}: {:?}", self.hands.document()));
         fs::write(&self.path, &new).unwrap();
         let scene = Scene::load(&self.path, &[]).unwrap();
@@ -389,4 +394,53 @@ fn marks_are_drawn_over_the_picture_and_can_be_hidden() {
     );
     room.keys("Space");
     assert_eq!(room.hands.with_marks(&picture, &room.view), picture);
+}
+
+#[test]
+fn a_drag_that_begins_without_effect_is_undone_too() {
+    let mut room = Room::new();
+    let sky = room.cell_of(4);
+    // Up and down turns no sky.
+    let cells = [sky, [sky[0], sky[1] + 1], [sky[0] - 3, sky[1] + 1]];
+    room.drag(Button::Left, Held::NONE, &cells);
+    assert!(room.hands.is_unsaved());
+    room.keys("u");
+    assert!(!room.hands.is_unsaved());
+}
+
+#[test]
+fn a_sky_with_a_map_keeps_its_map() {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/courtyard/evening.toml");
+    let scene = Scene::load(path.as_ref(), &[]).unwrap();
+    let sky = scene.lights.iter().position(|light| {
+        matches!(&light.kind, LightKind::Environment(sky) if matches!(sky.radiance, crate::scene::Radiance::Map(_)))
+    });
+    let mut room = Room::new();
+    room.hands = Hands::new(&scene, Component::Global);
+    let bytes = fs::read(path).unwrap();
+    let unchanged = room.hands.saved_bytes(&bytes, path.as_ref(), &[]);
+    assert_eq!(unchanged.unwrap(), bytes);
+    for _ in 0..=sky.unwrap() {
+        room.keys("Tab");
+    }
+    for key in ["t", "c", "g", "n n"] {
+        let outcome = room.keys(key);
+        assert!(
+            !outcome.changed.any() && outcome.message.unwrap().contains("map"),
+            "{key}"
+        );
+    }
+    assert!(room.keys("i").changed.lights);
+    assert!(room.keys("x").changed.lights);
+    let new = room.hands.saved_bytes(&bytes, path.as_ref(), &[]).unwrap();
+    let [new, old] = [&new, &bytes].map(|bytes| String::from_utf8(bytes.clone()).unwrap());
+    let lines = |text: &str| text.lines().map(str::to_owned).collect::<Vec<_>>();
+    let kept = lines(&old)
+        .iter()
+        .filter(|line| lines(&new).contains(line))
+        .count();
+    assert!(
+        kept >= lines(&old).len() - 2 && new.contains("map = "),
+        "{new}"
+    );
 }

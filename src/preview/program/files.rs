@@ -36,7 +36,7 @@ impl Program {
         let file = &self.file;
         let edited = self
             .hands
-            .saved_bytes(&file.bytes, &file.path, &file.overrides, &self.scene);
+            .saved_bytes(&file.bytes, &file.path, &file.overrides);
         let bytes = match edited {
             Ok(bytes) => bytes,
             Err(error) => return self.fails(error.to_string()),

@@ -1,76 +1,46 @@
 //! What differs between a scene as it was loaded and as it was edited, key by key.
 
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 
 use super::editor::{Editor, Written};
 use super::layout::Place;
+use super::values::{
+    Keys, Value, camera_keys, changed, kind_name, light_keys, quoted, render_keys, same, written,
+};
 use super::{Edited, SaveError, numbers};
 use crate::scene::file::default_light_name;
-use crate::scene::{Bounces, Camera, Light, LightKind, Radiance, RenderKeys, Scene, Tone};
-
-/// A value of the scene file.
-#[derive(Debug, Clone, PartialEq)]
-enum Value {
-    Vector(DVec3),
-    Colour(Vec3),
-    /// A unit vector, which the reader normalises again.
-    Direction(Vec3),
-    Up(DVec3),
-    Single(f32),
-    Double(f64),
-    Text(String),
-    Size([u32; 2]),
-}
-
-/// Keys with their values.
-type Keys = Vec<(&'static str, Value)>;
+use crate::scene::{Light, LightKind, Spot};
 
 /// All that is to be written.
 pub(super) struct Changes<'a> {
-    loaded: &'a Scene,
+    loaded: Edited<'a>,
     edited: Edited<'a>,
     /// Of each edited light, in order, the light of the file that it was.
     origins: Vec<Option<usize>>,
 }
 
-/// Whether any bit of two lights differs.
-pub(super) fn differ(a: &LightKind, b: &LightKind) -> bool {
-    kind_name(a) != kind_name(b) || !changed(light_keys(a), light_keys(b)).is_empty()
-}
-
-/// Whether any bit of two cameras differs.
-pub(super) fn cameras_differ(a: &Camera, b: &Camera) -> bool {
-    !changed(camera_keys(a), camera_keys(b)).is_empty()
-}
-
 impl<'a> Changes<'a> {
-    pub(super) fn between(loaded: &'a Scene, edited: Edited<'a>) -> Self {
+    pub(super) fn between(loaded: Edited<'a>, edited: Edited<'a>) -> Self {
         Self {
             loaded,
             edited,
-            origins: origins(&loaded.lights, edited.lights),
+            origins: origins(loaded.lights, edited.lights),
         }
     }
 
     pub(super) fn apply(&self, editor: &mut Editor) -> Result<(), SaveError> {
-        self.section(editor, "camera", camera_keys)?;
+        let keys = changed(
+            camera_keys(self.loaded.camera),
+            camera_keys(self.edited.camera),
+        );
+        set_all(editor, Place::Section("camera"), &keys)?;
         self.lights(editor)?;
         self.materials(editor)?;
         let keys = changed(
-            render_keys(&self.loaded.render),
+            render_keys(self.loaded.render),
             render_keys(self.edited.render),
         );
         set_all(editor, Place::Section("render"), &keys)
-    }
-
-    fn section(
-        &self,
-        editor: &mut Editor,
-        name: &'static str,
-        keys: fn(&Camera) -> Keys,
-    ) -> Result<(), SaveError> {
-        let keys = changed(keys(&self.loaded.camera), keys(self.edited.camera));
-        set_all(editor, Place::Section(name), &keys)
     }
 
     fn lights(&self, editor: &mut Editor) -> Result<(), SaveError> {
@@ -91,40 +61,37 @@ impl<'a> Changes<'a> {
                 Some(origin) => {
                     edit_light(editor, index, &self.loaded.lights[*origin], light)?;
                 }
-                None => append_light(editor, light)?,
+                None => insert_light(editor, index, light)?,
             }
         }
         Ok(())
     }
 
     fn materials(&self, editor: &mut Editor) -> Result<(), SaveError> {
-        let pairs = self.loaded.materials.iter().zip(self.edited.albedos);
+        let pairs = self.loaded.albedos.iter().zip(self.edited.albedos);
         let mut seen: Vec<&str> = Vec::new();
-        for (loaded, albedo) in pairs {
+        for (name, (old, new)) in self.loaded.material_names.iter().zip(pairs) {
             // A second material of a name is the first one without its maps.
-            if seen.contains(&loaded.name.as_str()) {
+            if seen.contains(&name.as_str()) {
                 continue;
             }
-            seen.push(&loaded.name);
-            let albedo = Value::Colour(*albedo);
-            if same(&Value::Colour(loaded.albedo), &albedo) {
+            seen.push(name);
+            let albedo = Value::Colour(*new);
+            if same(&Value::Colour(*old), &albedo) {
                 continue;
             }
             let list = editor.list("material")?;
-            let name = Some(loaded.name.as_str());
             let mut entries = list.entries().iter();
-            let known = entries
-                .position(|entry| entry.key("name").and_then(|key| key.string.as_deref()) == name);
+            let known = entries.position(|entry| {
+                entry.key("name").and_then(|key| key.string.as_deref()) == Some(name)
+            });
             match known {
                 Some(index) => {
                     editor.set(Place::Entry("material", index), "albedo", &written(&albedo))?;
                 }
                 None => editor.append_entry(
                     "material",
-                    &[
-                        ("name", quoted(&loaded.name)),
-                        ("albedo", written(&albedo).text()),
-                    ],
+                    &[("name", quoted(name)), ("albedo", written(&albedo).text())],
                 )?,
             }
         }
@@ -132,19 +99,34 @@ impl<'a> Changes<'a> {
     }
 }
 
-/// Lights keep their order, and new ones stand behind: so an edited light is the
-/// next loaded one of its name and kind, until one is new.
+/// Of each edited light the loaded one that it was: the one of its name and kind.
+/// Where the order is another, the longest run of lights in the order of the file
+/// keeps its entries, and the others are written anew between them.
 fn origins(loaded: &[Light], edited: &[Light]) -> Vec<Option<usize>> {
-    let mut next = 0;
-    let mut origins = Vec::with_capacity(edited.len());
-    for light in edited {
-        let is_it = |known: &Light| {
+    let origin = |light: &Light| {
+        loaded.iter().position(|known| {
             known.name == light.name && kind_name(&known.kind) == kind_name(&light.kind)
+        })
+    };
+    let mut origins: Vec<Option<usize>> = edited.iter().map(origin).collect();
+    // For each light, the longest rising run that ends there and the light before.
+    let mut runs: Vec<(usize, Option<usize>)> = vec![(0, None); origins.len()];
+    for index in 0..origins.len() {
+        let Some(own) = origins[index] else {
+            continue;
         };
-        let found = loaded[next..].iter().position(is_it);
-        let origin = found.map(|ahead| next + ahead);
-        next = origin.map_or(loaded.len(), |origin| origin + 1);
-        origins.push(origin);
+        let before = (0..index).filter(|&i| origins[i].is_some_and(|other| other < own));
+        let best = before.max_by_key(|&i| runs[i].0);
+        runs[index] = (1 + best.map_or(0, |best| runs[best].0), best);
+    }
+    let mut kept = vec![false; origins.len()];
+    let mut last = (0..runs.len()).max_by_key(|&index| runs[index].0);
+    while let Some(index) = last {
+        kept[index] = true;
+        last = runs[index].1;
+    }
+    for (origin, kept) in origins.iter_mut().zip(kept) {
+        *origin = origin.filter(|_| kept);
     }
     origins
 }
@@ -207,7 +189,7 @@ fn complete_cone(
     editor: &Editor,
     place: Place,
     keys: &mut Keys,
-    spot: &crate::scene::Spot,
+    spot: &Spot,
 ) -> Result<(), SaveError> {
     let changes = |keys: &Keys, name: &str| keys.iter().any(|(key, _)| *key == name);
     let [cutoff, beam] = [spot.cutoff_deg, spot.beam_deg];
@@ -232,7 +214,7 @@ fn aim(
     editor: &mut Editor,
     place: Place,
     old_position: DVec3,
-    spot: &crate::scene::Spot,
+    spot: &Spot,
 ) -> Result<(), SaveError> {
     let old_target = editor.numbers(place, "target")?;
     let distance = match old_target.as_slice() {
@@ -248,7 +230,7 @@ fn aim(
     }
 }
 
-fn append_light(editor: &mut Editor, light: &Light) -> Result<(), SaveError> {
+fn insert_light(editor: &mut Editor, index: usize, light: &Light) -> Result<(), SaveError> {
     let mut keys = vec![
         ("name", quoted(&light.name)),
         ("kind", quoted(kind_name(&light.kind))),
@@ -267,7 +249,7 @@ fn append_light(editor: &mut Editor, light: &Light) -> Result<(), SaveError> {
             .iter()
             .map(|(key, value)| (*key, written(value).text())),
     );
-    editor.append_entry("light", &keys)
+    editor.insert_entry("light", index, &keys)
 }
 
 fn set_all(editor: &mut Editor, place: Place, keys: &Keys) -> Result<(), SaveError> {
@@ -275,122 +257,4 @@ fn set_all(editor: &mut Editor, place: Place, keys: &Keys) -> Result<(), SaveErr
         editor.set(place, key, &written(value))?;
     }
     Ok(())
-}
-
-fn kind_name(kind: &LightKind) -> &'static str {
-    match kind {
-        LightKind::Point(_) => "point",
-        LightKind::Spot(_) => "spot",
-        LightKind::Directional(_) => "directional",
-        LightKind::Area(_) => "area",
-        LightKind::Environment(_) => "environment",
-    }
-}
-
-fn light_keys(kind: &LightKind) -> Keys {
-    match kind {
-        LightKind::Point(light) => vec![
-            ("position", Value::Vector(light.position)),
-            ("intensity", Value::Colour(light.intensity)),
-        ],
-        LightKind::Spot(light) => vec![
-            ("position", Value::Vector(light.position)),
-            ("direction", Value::Direction(light.direction)),
-            ("intensity", Value::Colour(light.intensity)),
-            ("cutoff", Value::Single(light.cutoff_deg)),
-            ("beam", Value::Single(light.beam_deg)),
-        ],
-        LightKind::Directional(light) => vec![
-            ("direction", Value::Direction(light.direction)),
-            ("irradiance", Value::Colour(light.irradiance)),
-        ],
-        LightKind::Area(light) => vec![
-            ("corner", Value::Vector(light.corner)),
-            ("edge_u", Value::Vector(light.edge_u)),
-            ("edge_v", Value::Vector(light.edge_v)),
-            ("radiance", Value::Colour(light.radiance)),
-        ],
-        LightKind::Environment(light) => {
-            let mut keys = vec![
-                ("scale", Value::Single(light.scale)),
-                ("rotation", Value::Single(light.rotation_deg)),
-            ];
-            // A map stays the map that the file names.
-            if let Radiance::Constant(radiance) = light.radiance {
-                keys.insert(0, ("radiance", Value::Colour(radiance)));
-            }
-            keys
-        }
-    }
-}
-
-fn camera_keys(camera: &Camera) -> Keys {
-    vec![
-        ("position", Value::Vector(camera.position)),
-        ("target", Value::Vector(camera.target)),
-        ("up", Value::Up(camera.up)),
-        ("vfov", Value::Double(camera.vfov_deg)),
-        ("size", Value::Size(camera.size)),
-    ]
-}
-
-fn render_keys(keys: &RenderKeys) -> Keys {
-    let bounces = match keys.bounces {
-        Bounces::Count(count) => count.to_string(),
-        Bounces::All => quoted("all"),
-    };
-    let tone = match keys.tone {
-        Tone::Srgb => "srgb",
-        Tone::Filmic => "filmic",
-    };
-    vec![
-        ("bounces", Value::Text(bounces)),
-        ("exposure", Value::Single(keys.exposure)),
-        ("tone", Value::Text(quoted(tone))),
-        ("light_samples", Value::Text(keys.light_samples.to_string())),
-    ]
-}
-
-/// The second keys whose values differ from the first ones.
-fn changed(old: Keys, new: Keys) -> Keys {
-    let is_old = |key: &(&str, Value)| {
-        let mut known = old.iter();
-        known.any(|old| old.0 == key.0 && same(&old.1, &key.1))
-    };
-    new.into_iter().filter(|key| !is_old(key)).collect()
-}
-
-/// Whether two values have the same bits.
-fn same(a: &Value, b: &Value) -> bool {
-    let doubles = |v: &DVec3| v.to_array().map(f64::to_bits);
-    let singles = |v: &Vec3| v.to_array().map(f32::to_bits);
-    match (a, b) {
-        (Value::Vector(a), Value::Vector(b)) | (Value::Up(a), Value::Up(b)) => {
-            doubles(a) == doubles(b)
-        }
-        (Value::Colour(a), Value::Colour(b)) | (Value::Direction(a), Value::Direction(b)) => {
-            singles(a) == singles(b)
-        }
-        (Value::Single(a), Value::Single(b)) => a.to_bits() == b.to_bits(),
-        (Value::Double(a), Value::Double(b)) => a.to_bits() == b.to_bits(),
-        (a, b) => a == b,
-    }
-}
-
-fn written(value: &Value) -> Written {
-    match value {
-        Value::Vector(vector) => numbers::vector(*vector).into(),
-        Value::Colour(colour) => numbers::colour(*colour).into(),
-        Value::Direction(direction) => numbers::direction(*direction).into(),
-        Value::Up(up) => numbers::unit_direction(*up).into(),
-        Value::Single(number) => Written::Plain(numbers::single(*number)),
-        Value::Double(number) => Written::Plain(numbers::double(*number)),
-        Value::Text(text) => Written::Plain(text.clone()),
-        Value::Size(size) => size.map(|side| side.to_string()).into(),
-    }
-}
-
-/// A string of TOML.
-fn quoted(text: &str) -> String {
-    toml_edit::Value::from(text).to_string()
 }

@@ -141,7 +141,7 @@ fn header_entry(table: &Table) -> Option<Entry> {
 fn keys_of(table: &Table) -> Vec<Key> {
     let keys = table.iter().filter_map(|(name, item)| {
         let span = table.key(name)?.span()?;
-        Some(key_of(name, span, item.as_value()?)?)
+        key_of(name, span, item.as_value()?)
     });
     in_order(keys.collect())
 }

@@ -31,26 +31,54 @@ impl Editor {
         list: &str,
         keys: &[(&str, String)],
     ) -> Result<(), SaveError> {
+        let count = self.list(list)?.entries().len();
+        self.insert_entry(list, count, keys)
+    }
+
+    /// Puts an entry with these keys into a list, where it is the entry of this
+    /// number from then on.
+    pub(super) fn insert_entry(
+        &mut self,
+        list: &str,
+        index: usize,
+        keys: &[(&str, String)],
+    ) -> Result<(), SaveError> {
+        let keys = keys.iter().map(|(name, value)| format!("{name} = {value}"));
+        let keys: Vec<String> = keys.collect();
         match self.list(list)? {
             List::Inline(entries, span) => {
-                let inside: Vec<String> = keys
-                    .iter()
-                    .map(|(name, value)| format!("{name} = {value}"))
-                    .collect();
-                self.append_element(&entries, &span, &format!("{{ {} }}", inside.join(", ")));
+                self.insert_element(
+                    &entries,
+                    index,
+                    &span,
+                    &format!("{{ {} }}", keys.join(", ")),
+                );
             }
             found => {
-                let end = match found.entries().last() {
-                    Some(entry) => self.trimmed_end(self.block_end(entry.end())),
-                    None => self.text().trim_end().len(),
-                };
                 let mut lines = vec![format!("[[{list}]]")];
-                lines.extend(keys.iter().map(|(name, value)| format!("{name} = {value}")));
-                self.append_block(end, &lines);
-                self.part_from_next(end, &lines);
+                lines.extend(keys);
+                self.insert_block(found.entries(), index, &lines);
             }
         }
         Ok(())
+    }
+
+    fn insert_block(&mut self, entries: &[Entry], index: usize, lines: &[String]) {
+        let before = index.checked_sub(1).and_then(|before| entries.get(before));
+        if let (None, Some(first)) = (before, entries.first())
+            && let Form::Header(header) = &first.form
+        {
+            let start = self.comments_above(self.line_start(header.start));
+            let newline = self.newline();
+            let block = lines.join(newline) + newline + newline;
+            return self.replace_at(start, &block);
+        }
+        let end = match before {
+            Some(entry) => self.trimmed_end(self.block_end(entry.end())),
+            None => self.text().trim_end().len(),
+        };
+        self.append_block(end, lines);
+        self.part_from_next(end, lines);
     }
 
     /// Puts an empty line behind a block that was appended at a place, where what
@@ -136,9 +164,10 @@ impl Editor {
         let text = self.text();
         let after_comma = self.after_comma(span.end);
         let line_start = self.line_start(span.start);
-        let rest = &text[after_comma.unwrap_or(span.end)..self.line_end(span.end)];
+        // The comma may stand on another line.
+        let rest = text.get(after_comma.unwrap_or(span.end)..self.line_end(span.end));
         let is_alone = text[line_start..span.start].trim().is_empty()
-            && (rest.trim().is_empty() || is_comment(rest));
+            && rest.is_some_and(|rest| rest.trim().is_empty() || is_comment(rest));
         if is_alone {
             return self.comments_above(line_start)..self.next_line(span.end);
         }
@@ -169,36 +198,38 @@ impl Editor {
             .then_some(place + spaces + 1)
     }
 
-    fn append_element(&mut self, entries: &[Entry], span: &Range<usize>, new: &str) {
-        let Some(last) = entries.last() else {
-            return self.replace_at(span.end - 1, new);
+    fn insert_element(&mut self, entries: &[Entry], index: usize, list: &Range<usize>, new: &str) {
+        let span = |entry: &Entry| match &entry.form {
+            Form::Inline(span) => span.clone(),
+            _ => list.clone(),
         };
-        let Form::Inline(last_span) = &last.form else {
-            return;
+        let before = index.checked_sub(1).and_then(|before| entries.get(before));
+        let Some(neighbour) = before.or(entries.first()).map(span) else {
+            return self.replace_at(list.end - 1, new);
         };
-        let last_end = last_span.end;
-        let line_start = self.line_start(last_span.start);
-        let lead = &self.text()[line_start..last_span.start];
-        if !lead.trim().is_empty() {
-            let comma = self.after_comma(last_end);
-            let at = comma.unwrap_or(last_end);
-            let text = if comma.is_some() {
-                format!(" {new}")
-            } else {
-                format!(", {new}")
-            };
-            return self.replace_at(at, &text);
-        }
-        // On a line of its own, with the comma and the comment of the one before.
-        let line = format!("{}{lead}{new}", self.newline());
-        match self.after_comma(last_end) {
-            Some(comma) => {
-                self.replace_at(self.end_of_element_line(comma, span), &format!("{line},"))
+        let line_start = self.line_start(neighbour.start);
+        let lead = self.text()[line_start..neighbour.start].to_owned();
+        let has_own_line = lead.trim().is_empty();
+        let newline = self.newline();
+        match (before.is_some(), has_own_line) {
+            (false, false) => self.replace_at(neighbour.start, &format!("{new}, ")),
+            (false, true) => {
+                let start = self.comments_above(line_start);
+                self.replace_at(start, &format!("{lead}{new},{newline}"));
             }
-            None => {
-                self.replace_at(self.end_of_element_line(last_end, span), &line);
-                self.replace_at(last_end, ",");
-            }
+            (true, false) => self.replace_at(neighbour.end, &format!(", {new}")),
+            // Behind the comma and the comment of the one before.
+            (true, true) => match self.after_comma(neighbour.end) {
+                Some(comma) => {
+                    let end = self.end_of_element_line(comma, list);
+                    self.replace_at(end, &format!("{newline}{lead}{new},"));
+                }
+                None => {
+                    let end = self.end_of_element_line(neighbour.end, list);
+                    self.replace_at(end, &format!("{newline}{lead}{new}"));
+                    self.replace_at(neighbour.end, ",");
+                }
+            },
         }
     }
 

@@ -1,7 +1,7 @@
 //! Writes an edited scene back into the text it came from.
 //!
-//! Comes in: the bytes of the scene file, the scene as it was loaded and what
-//! has been edited since. Goes out: new bytes in which only the values that
+//! Comes in: the bytes of the scene file, the scene as it was when the file held
+//! them, and as it is now. Goes out: new bytes in which only the values that
 //! differ between the two are other; comments, order, line ends and layout stay,
 //! because pieces of the text are replaced instead of the text being written
 //! anew. `toml_edit` says where the pieces are ([`layout`]).
@@ -14,6 +14,7 @@ mod lists;
 mod numbers;
 #[cfg(test)]
 mod tests;
+mod values;
 
 use std::path::Path;
 
@@ -23,7 +24,7 @@ use super::file::Document;
 use super::files::{Disk, Files, Finder};
 use super::images::Images;
 use super::text::strict_text;
-use super::{Camera, Light, Override, RenderKeys, Scene, SceneError};
+use super::{Camera, Light, Override, RenderKeys, SceneError};
 use changes::Changes;
 use editor::Editor;
 
@@ -32,13 +33,15 @@ pub(crate) use file::{Saved, save_file};
 /// Byte order mark of UTF-8.
 const MARK: &str = "\u{feff}";
 
-/// What of a scene can be edited and saved: its lights, the albedos of its
+/// What of a scene can be edited and saved, before or after: its lights, the albedos of its
 /// materials, its camera and its `[render]`.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Edited<'a> {
     /// Lights that were loaded, in their order, and new ones behind them.
     pub(crate) lights: &'a [Light],
-    /// One of each material that was loaded.
+    /// Names of the materials of the scene.
+    pub(crate) material_names: &'a [String],
+    /// One of each material.
     pub(crate) albedos: &'a [Vec3],
     pub(crate) camera: &'a Camera,
     pub(crate) render: &'a RenderKeys,
@@ -73,7 +76,7 @@ pub(crate) fn edited_bytes(
     bytes: &[u8],
     path: &Path,
     overrides: &[Override],
-    loaded: &Scene,
+    loaded: Edited<'_>,
     edited: Edited<'_>,
 ) -> Result<Vec<u8>, SaveError> {
     edited_bytes_with(bytes, path, overrides, loaded, edited, &Disk)
@@ -83,7 +86,7 @@ fn edited_bytes_with(
     bytes: &[u8],
     path: &Path,
     overrides: &[Override],
-    loaded: &Scene,
+    loaded: Edited<'_>,
     edited: Edited<'_>,
     files: &dyn Files,
 ) -> Result<Vec<u8>, SaveError> {
@@ -121,13 +124,13 @@ fn check(read: &Document, edited: Edited<'_>, is_whole: bool) -> Result<(), Save
     }
     let lights_differ = read.lights.len() != edited.lights.len()
         || read.lights.iter().zip(edited.lights).any(|(read, edited)| {
-            read.name != edited.name || changes::differ(&read.kind, &edited.kind)
+            read.name != edited.name || values::differ(&read.kind, &edited.kind)
         });
     for (what, differs) in [
         ("a light", lights_differ),
         (
             "the camera",
-            changes::cameras_differ(&read.camera, edited.camera),
+            values::cameras_differ(&read.camera, edited.camera),
         ),
         ("[render]", read.render != *edited.render),
     ] {
@@ -139,7 +142,7 @@ fn check(read: &Document, edited: Edited<'_>, is_whole: bool) -> Result<(), Save
 }
 
 /// The text of a scene file (without a byte order mark) with what was edited.
-fn edited_text(text: &str, loaded: &Scene, edited: Edited<'_>) -> Result<String, SaveError> {
+fn edited_text(text: &str, loaded: Edited<'_>, edited: Edited<'_>) -> Result<String, SaveError> {
     let mut editor = Editor::new(text);
     let changes = Changes::between(loaded, edited);
     changes.apply(&mut editor)?;

@@ -1,5 +1,7 @@
 //! Byte by byte: what an edit leaves of a scene file, and what it writes.
 
+mod entries;
+
 use std::path::Path;
 
 use glam::{DVec3, Vec3};
@@ -60,17 +62,25 @@ fn load(bytes: &[u8], overrides: &[Override]) -> Scene {
     Scene::load_with(bytes, Path::new("s.toml"), overrides, &files()).unwrap()
 }
 
-fn edited<'a>(scene: &'a Scene, albedos: &'a [Vec3]) -> Edited<'a> {
-    Edited {
-        lights: &scene.lights,
-        albedos,
-        camera: &scene.camera,
-        render: &scene.render,
-    }
-}
+/// What of a scene is saved, with the lists that it is made of.
+struct Parts(Scene, Vec<String>, Vec<Vec3>);
 
-fn albedos(scene: &Scene) -> Vec<Vec3> {
-    scene.materials.iter().map(|m| m.albedo).collect()
+impl Parts {
+    fn of(scene: &Scene) -> Self {
+        let names = scene.materials.iter().map(|m| m.name.clone()).collect();
+        let albedos = scene.materials.iter().map(|m| m.albedo).collect();
+        Self(scene.clone(), names, albedos)
+    }
+
+    fn edited(&self) -> Edited<'_> {
+        Edited {
+            lights: &self.0.lights,
+            material_names: &self.1,
+            albedos: &self.2,
+            camera: &self.0.camera,
+            render: &self.0.render,
+        }
+    }
 }
 
 fn save_with(text: &str, sets: &[&str], edit: impl Fn(&mut Scene)) -> Result<String, SaveError> {
@@ -83,8 +93,8 @@ fn save_with(text: &str, sets: &[&str], edit: impl Fn(&mut Scene)) -> Result<Str
         text.as_bytes(),
         path,
         &overrides,
-        &loaded,
-        edited(&scene, &albedos(&scene)),
+        Parts::of(&loaded).edited(),
+        Parts::of(&scene).edited(),
         &files(),
     )?;
     Ok(String::from_utf8(bytes).unwrap())
@@ -217,66 +227,10 @@ fn keys_entries_and_sections_are_added_behind_what_is_there() {
 }
 
 #[test]
-fn an_empty_line_parts_new_lights_from_what_follows() {
-    let text = SCENE.replace(
-        "radiance = [0.1, 0.1, 0.1]\n\n# What frames are like.\n",
-        "radiance = [0.1, 0.1, 0.1]\n",
-    );
-    let sky = Light {
-        name: "new".to_owned(),
-        kind: LightKind::Environment(crate::scene::Environment {
-            radiance: crate::scene::Radiance::Constant(Vec3::ONE),
-            scale: 1.0,
-            rotation_deg: 0.0,
-        }),
-    };
-    let new = save(&text, |scene| scene.lights.push(sky.clone()));
-    let block = "\n[[light]]\nname = \"new\"\nkind = \"environment\"\nradiance = [1.0, 1.0, 1.0]\n\n[render]";
-    assert_eq!(new, with(&text, &[["[render]", block]]));
-}
-
-#[test]
 fn a_section_that_is_missing_is_added() {
     let text = SCENE.split("\n# What frames").next().unwrap();
     let new = save(text, |scene| scene.render.bounces = Bounces::Count(2));
     assert_eq!(new, format!("{text}\n[render]\nbounces = 2\n"));
-}
-
-#[test]
-fn lights_go_with_their_own_comments() {
-    let new = save(SCENE, |scene| drop(scene.lights.remove(0)));
-    let start = SCENE.find("# The lamp hangs").unwrap();
-    let end = SCENE.find("# A spot without").unwrap();
-    let without = format!("{}{}", &SCENE[..start], &SCENE[end..]);
-    // The spot was the second light and keeps the name it had by that.
-    let expected = with(
-        &without,
-        &[[
-            "[[light]]\n  kind",
-            "[[light]]\n  name = \"light2\"\n  kind",
-        ]],
-    );
-    assert_eq!(new, expected);
-
-    let new = save(SCENE, |scene| drop(scene.lights.remove(1)));
-    let start = SCENE.find("# A spot without").unwrap();
-    let end = SCENE.find("# The sky comes last").unwrap();
-    assert_eq!(new, format!("{}{}", &SCENE[..start], &SCENE[end..]));
-
-    let text = SCENE.split("\n# What frames").next().unwrap();
-    let last = text.find("# The sky comes last").unwrap();
-    let new = save(text, |scene| drop(scene.lights.pop()));
-    assert_eq!(new, text[..last]);
-    let new = save(text.trim_end(), |scene| drop(scene.lights.pop()));
-    assert_eq!(new, text[..last].trim_end());
-    let new = save(text, |scene| scene.lights.clear());
-    assert_eq!(
-        new,
-        format!(
-            "{}\n",
-            text[..text.find("\n# The lamp").unwrap()].trim_end()
-        )
-    );
 }
 
 #[test]
@@ -297,112 +251,6 @@ fn a_moved_spot_keeps_its_target_key_and_its_direction() {
     assert_eq!(new, expected);
     let turned = DVec3::new(0.3, -0.8, 0.1).normalize().as_vec3();
     save(SCENE, |scene| spot(&mut scene.lights[1]).direction = turned);
-}
-
-#[test]
-fn tables_in_braces_and_keys_with_dots_stay_so() {
-    let text = "mesh = 'm.obj'\ncamera.position = [0, 0, 5] # eye\ncamera.target = [0, 0, 0]\n\
-                camera.vfov = 40\ncamera.size = [8, 8]\n\
-                light = [{ kind = 'point', position = [0, 0, 1], intensity = [1, 1, 1] }, {kind='environment',radiance=[1,1,1]}] # two\n\
-                render = { bounces = 1 }\nmaterial = [{ name = 'floor' }]\n";
-    let new = save(text, |scene| {
-        scene.camera.position.z = 4.5;
-        scene.camera.up = DVec3::X;
-        point(&mut scene.lights[0]).position.z = 2.0;
-        scene.render.exposure = 1.0;
-        scene.materials[0].albedo = Vec3::ONE;
-        scene.lights.push(lamp("new"));
-    });
-    let expected = with(
-        text,
-        &[
-            ["[0, 0, 5]", "[0, 0, 4.5]"],
-            [
-                "camera.size = [8, 8]\n",
-                "camera.size = [8, 8]\ncamera.up = [1.0, 0.0, 0.0]\n",
-            ],
-            ["position = [0, 0, 1]", "position = [0, 0, 2.0]"],
-            [
-                "radiance=[1,1,1]}]",
-                "radiance=[1,1,1]}, { name = \"new\", kind = \"point\", \
-                 position = [0.1, 1.0, 0.0], intensity = [2.5, 2.5, 2.5] }]",
-            ],
-            ["{ bounces = 1 }", "{ bounces = 1, exposure = 1.0 }"],
-            [
-                "{ name = 'floor' }",
-                "{ name = 'floor', albedo = [1.0, 1.0, 1.0] }",
-            ],
-        ],
-    );
-    assert_eq!(new, expected);
-    let new = save(text, |scene| drop(scene.lights.remove(1)));
-    assert_eq!(
-        new,
-        with(text, &[[", {kind='environment',radiance=[1,1,1]}", ""]])
-    );
-    let new = save(text, |scene| drop(scene.lights.remove(0)));
-    let first = "{ kind = 'point', position = [0, 0, 1], intensity = [1, 1, 1] }, ";
-    assert_eq!(
-        new,
-        with(
-            text,
-            &[
-                [first, ""],
-                ["radiance=[1,1,1]}", "radiance=[1,1,1], name = \"light2\"}"]
-            ]
-        )
-    );
-    let new = save(text, |scene| {
-        scene.lights.clear();
-        scene.lights.push(lamp("light1"));
-    });
-    assert!(
-        new.contains("light = [{ kind = 'point', position = [0.1, 1.0, 0.0]"),
-        "{new}"
-    );
-    let new = save(text, |scene| scene.lights.clear());
-    assert!(new.contains("light = [] # two\n"), "{new}");
-}
-
-#[test]
-fn lists_in_braces_over_several_lines_keep_their_comments() {
-    let light = |name: &str| {
-        format!(
-            "{{ name = '{name}', kind = 'point', position = [0, 0, 1], intensity = [1, 1, 1] }}"
-        )
-    };
-    let [a, b, c] = ["a", "b", "c"].map(light);
-    let text = format!(
-        "mesh = 'm.obj'\ncamera = {{ position = [0, 0, 5], target = [0, 0, 0], vfov = 40, size = [8, 8] }}\n\
-         light = [ # all\n  # left\n  {a}, # A\n  # middle\n  {b}, # B\n  {c} # C\n]\n"
-    );
-    let new = save(&text, |scene| drop(scene.lights.remove(1)));
-    assert_eq!(
-        new,
-        with(&text, &[[&format!("  # middle\n  {b}, # B\n"), ""]])
-    );
-    let added = "{ name = \"new\", kind = \"point\", position = [0.1, 1.0, 0.0], intensity = [2.5, 2.5, 2.5] }";
-    let new = save(&text, |scene| scene.lights.push(lamp("new")));
-    assert_eq!(
-        new,
-        with(
-            &text,
-            &[[&format!("  {c} # C\n"), &format!("  {c}, # C\n  {added}\n")]]
-        )
-    );
-    let new = save(&text, |scene| {
-        scene.lights.pop();
-        scene.lights.push(lamp("new"));
-    });
-    assert_eq!(
-        new,
-        with(
-            &text,
-            &[[&format!("  {c} # C\n"), &format!("  {added},\n")]]
-        )
-    );
-    let new = save(&text, |scene| scene.lights.clear());
-    assert!(new.ends_with("light = [ # all\n]\n"), "{new}");
 }
 
 #[test]
@@ -452,6 +300,11 @@ fn what_the_reader_would_refuse_is_not_given_out() {
     assert!(matches!(error, Err(SaveError::Refused(_))), "{error:?}");
     let loaded = load(SCENE.as_bytes(), &[]);
     let other = SCENE.replace("[[light]]\n  kind", "# [[light]]\n  kind");
-    let error = edited_text(&other, &loaded, edited(&loaded, &albedos(&loaded))).unwrap_err();
+    let error = edited_text(
+        &other,
+        Parts::of(&loaded).edited(),
+        Parts::of(&loaded).edited(),
+    )
+    .unwrap_err();
     assert!(matches!(error, SaveError::NotTheText(_)), "{error}");
 }
