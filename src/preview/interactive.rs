@@ -135,6 +135,7 @@ impl Session<'_> {
                 Effect::Redraw => self.screen.forget(),
                 Effect::Suspend => self.suspend(program),
                 Effect::Resume => self.resume(program),
+                Effect::AskSize => self.ask_size(),
                 Effect::Quit(code) => return Some(code),
             }
         }

@@ -52,6 +52,8 @@ pub(crate) enum Effect {
     Suspend,
     /// The terminal taken again.
     Resume,
+    /// The terminal's size, as an input.
+    AskSize,
     /// The end, with an exit code.
     Quit(u8),
 }
@@ -162,8 +164,7 @@ impl Program {
             Notice::End(code) => vec![Effect::Quit(code)],
             // The hook has told; a terminal that is gone shows nothing.
             Notice::Panicked | Notice::Lost => vec![Effect::Quit(1)],
-            // Its size comes as an input.
-            Notice::Resized => Vec::new(),
+            Notice::Resized => vec![Effect::AskSize],
         }
     }
 

@@ -216,7 +216,7 @@ impl Runner<'_> {
                 Effect::Redraw => self.encoder.forget(),
                 Effect::Quit(_) => self.is_over = true,
                 // No one else changes files, and there is no terminal.
-                Effect::Watch(_) | Effect::Suspend | Effect::Resume => {}
+                Effect::Watch(_) | Effect::Suspend | Effect::Resume | Effect::AskSize => {}
             }
         }
         Ok(())

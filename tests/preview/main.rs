@@ -33,7 +33,6 @@ fn start(size: (u16, u16)) -> Terminal {
 }
 
 #[test]
-#[ignore = "the command is not there yet"]
 fn keys_and_signals_end_it() {
     for (key, code) in [(b"q", 0), (b"\x03", 130)] {
         let mut terminal = start((80, 24));
@@ -50,7 +49,6 @@ fn keys_and_signals_end_it() {
 }
 
 #[test]
-#[ignore = "the command is not there yet"]
 fn a_stop_gives_the_terminal_to_the_shell_and_takes_it_again() {
     let script =
         format!("{RELUME} preview {SCENE}; echo stopped; read line; fg; echo code $?; read line");
@@ -74,7 +72,6 @@ fn a_stop_gives_the_terminal_to_the_shell_and_takes_it_again() {
 }
 
 #[test]
-#[ignore = "the command is not there yet"]
 fn a_window_that_reads_nothing_or_is_closed_does_not_hold_it() {
     let mut terminal = start((200, 60));
     terminal.read(false);
@@ -95,7 +92,6 @@ fn a_window_that_reads_nothing_or_is_closed_does_not_hold_it() {
 }
 
 #[test]
-#[ignore = "the command is not there yet"]
 fn every_size_is_drawn() {
     let mut terminal = start((80, 24));
     for size in [(10, 5), (200, 60), (1, 1), (33, 12)] {
@@ -111,7 +107,6 @@ fn every_size_is_drawn() {
 }
 
 #[test]
-#[ignore = "the command is not there yet"]
 fn without_a_terminal_it_says_what_to_do() {
     let output = Command::new(RELUME).args(["preview", SCENE]).output();
     let output = output.expect("the program can be started");

@@ -14,11 +14,9 @@ mod kitty;
 mod protocol;
 mod sixel;
 
-#[cfg_attr(
-    not(test),
-    allow(unused_imports, reason = "the terminal program is not whole yet")
-)]
-pub(crate) use cells::{Area, Cell, Cells};
+#[cfg(test)]
+pub(crate) use cells::Cell;
+pub(crate) use cells::{Area, Cells};
 pub use colours::Colours;
 pub(crate) use encoder::CellEncoder;
 pub(crate) use protocol::PixelPicture;
