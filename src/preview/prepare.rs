@@ -10,7 +10,7 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use super::message::Message;
-use crate::bake::{Progress, RunSettings, Scheme};
+use crate::bake::{Progress, RunSettings, Scheme, thread_pool};
 use crate::relight::{FrameSettings, Renderer};
 use crate::scene::Scene;
 use crate::simd::Level;
@@ -85,7 +85,7 @@ struct Job {
 
 impl Job {
     fn run(self, scene: Scene) {
-        match crate::thread_pool(self.preparation.threads) {
+        match thread_pool(self.preparation.threads) {
             Ok(pool) => pool.install(|| self.prepare(scene)),
             Err(error) => self.fail(error.to_string()),
         }

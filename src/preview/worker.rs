@@ -15,7 +15,7 @@ use super::message::Message;
 use super::painter::{Painter, Sharpness, Wish};
 use super::prepare::Preparation;
 use super::write_frame::write_frame;
-use crate::bake::{Progress, RunSettings};
+use crate::bake::{Progress, RunSettings, thread_pool};
 use crate::relight::{RenderError, Renderer};
 use crate::simd::Level;
 
@@ -31,7 +31,7 @@ pub(crate) enum Errand {
     Adopt(Box<Renderer>),
     /// Writes a frame of a wish at a size.
     Write {
-        wish: Wish,
+        wish: Box<Wish>,
         size: [u32; 2],
         path: PathBuf,
     },
@@ -66,7 +66,7 @@ impl Worker {
             wake: Condvar::new(),
             newest: AtomicU64::new(0),
         });
-        let pool = crate::thread_pool(preparation.threads).map_err(std::io::Error::other)?;
+        let pool = thread_pool(preparation.threads).map_err(std::io::Error::other)?;
         let drawing = Drawing {
             shared: shared.clone(),
             queue,

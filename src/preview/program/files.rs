@@ -123,7 +123,7 @@ impl Program {
         };
         let size = self.hands.document().camera.size;
         self.status.say(format!("drawing {}", path.display()));
-        let wish = self.wish();
+        let wish = Box::new(self.wish());
         vec![Effect::Send(Errand::Write { wish, size, path })]
     }
 }
