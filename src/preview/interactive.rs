@@ -157,14 +157,16 @@ impl Session<'_> {
 
     fn suspend(&self, program: &mut Program) {
         if let Err(error) = self.screen.suspend() {
-            program.status.error = Some(format!("cannot suspend: {error}"));
+            program.status.fail(format!("cannot suspend: {error}"));
         }
         self.ask_size();
     }
 
     fn resume(&self, program: &mut Program) {
         if let Err(error) = self.screen.resume() {
-            program.status.error = Some(format!("cannot take the terminal again: {error}"));
+            program
+                .status
+                .fail(format!("cannot take the terminal again: {error}"));
         }
         self.ask_size();
     }

@@ -29,13 +29,21 @@ pub(crate) enum Bottom<'a> {
     },
 }
 
-/// Draws the last row, if there is one beside the picture.
+/// Draws the last row, if there is one beside the picture; and what is wrong with
+/// the scene's files above it, until it is mended.
 pub(crate) fn bottom(cells: &mut Cells, bottom: &Bottom) {
     if cells.rows() < 2 {
         return;
     }
     let row = cells.rows() - 1;
     fill(cells, row);
+    if let Bottom::Status { status, .. } = bottom
+        && let Some(error) = &status.file_error
+        && let Some(above) = row.checked_sub(1)
+    {
+        fill(cells, above);
+        cells.text(0, above, error, WRONG, PAPER);
+    }
     match bottom {
         Bottom::Question(text) => cells.text(0, row, text, QUESTION, PAPER),
         Bottom::Status {
@@ -49,7 +57,7 @@ pub(crate) fn bottom(cells: &mut Cells, bottom: &Bottom) {
             if column > 0 {
                 column += 1;
             }
-            let ink = if status.error.is_some() { WRONG } else { INK };
+            let ink = if status.is_failure() { WRONG } else { INK };
             column = put(cells, column, status.words(), ink);
             let figures = fitting(
                 &status.figures(),

@@ -79,6 +79,10 @@ pub(crate) struct Program {
     /// Number of the last wish, and of the last scene that was sent to be prepared.
     wishes: u64,
     preparations: u64,
+    /// Number of the oldest wish whose pictures may be shown. While something
+    /// moves there is a newer wish before a picture of the last one has come: it
+    /// is shown all the same.
+    oldest: u64,
     drawn: Option<Drawn>,
     fine: Option<Drawn>,
     prompt: Option<Prompt>,
@@ -103,6 +107,7 @@ impl Program {
             cell_px,
             wishes: 0,
             preparations: 0,
+            oldest: 0,
             drawn: None,
             fine: None,
             prompt: None,
@@ -123,8 +128,8 @@ impl Program {
         match message {
             Message::Input(input) => self.input(input, now),
             Message::Drawn { number, drawn } => {
-                if number == self.wishes {
-                    self.look(*drawn, now);
+                if number >= self.oldest {
+                    self.look(number, *drawn, now);
                 }
                 Vec::new()
             }
@@ -138,7 +143,7 @@ impl Program {
                     return Vec::new();
                 }
                 self.status.prepared(&renderer);
-                vec![Effect::Send(Errand::Adopt(renderer)), self.show()]
+                vec![Effect::Send(Errand::Adopt(renderer)), self.show_anew()]
             }
             Message::NotPrepared { number, error } => {
                 if number != self.preparations {
@@ -200,7 +205,7 @@ impl Program {
         self.size = size;
         // Another number of lines may be the last page of the help.
         self.help = self.help.map(|first| panel::clamped(first, size));
-        vec![Effect::Redraw, self.show()]
+        vec![Effect::Redraw, self.show_anew()]
     }
 
     /// What follows from what the hands did.
@@ -240,19 +245,29 @@ impl Program {
     }
 
     fn fails(&mut self, error: String) -> Vec<Effect> {
-        self.status.error = Some(error);
+        self.status.fail(error);
         Vec::new()
     }
 
     /// A picture has come.
-    fn look(&mut self, drawn: Drawn, now: Duration) {
+    fn look(&mut self, number: u64, drawn: Drawn, now: Duration) {
+        self.oldest = number;
         self.status.drew(&drawn, now);
         if drawn.sharpness == Sharpness::Fine {
-            self.fine = Some(drawn);
+            if number == self.wishes {
+                self.fine = Some(drawn);
+            }
         } else {
             self.fine = None;
             self.drawn = Some(drawn);
         }
+    }
+
+    /// The same, and none of what was wished for before: of another size or scene.
+    fn show_anew(&mut self) -> Effect {
+        let effect = self.show();
+        self.oldest = self.wishes;
+        effect
     }
 
     /// Pictures of the scene as it is now.

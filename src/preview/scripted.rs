@@ -267,7 +267,7 @@ impl Runner<'_> {
             frames: self.frame,
             unsaved: self.program.is_unsaved(),
             bytes: [middle, most],
-            error: self.program.status.error.clone(),
+            error: self.program.status.error(),
             ..self.report
         }
     }

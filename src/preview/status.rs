@@ -26,8 +26,10 @@ const SHORT: [(&str, &str); 4] = [
 #[derive(Debug, Default)]
 pub(crate) struct Status {
     message: String,
-    /// What is wrong, until it is mended.
-    pub(crate) error: Option<String>,
+    /// Whether the message says that something failed.
+    is_failure: bool,
+    /// What is wrong with the scene's files, until it is mended.
+    pub(crate) file_error: Option<String>,
     /// Stage of the bake and share of it that is done, while it is made.
     pub(crate) baking: Option<(&'static str, f64)>,
     /// Stated relative error of bounced light, once there is a bake.
@@ -44,13 +46,20 @@ impl Status {
     /// Says something, until the next thing.
     pub(crate) fn say(&mut self, message: impl Into<String>) {
         self.message = message.into();
+        self.is_failure = false;
+    }
+
+    /// Says what failed, until the next thing.
+    pub(crate) fn fail(&mut self, message: impl Into<String>) {
+        self.message = message.into();
+        self.is_failure = true;
     }
 
     /// A frame was written, or not.
     pub(super) fn wrote(&mut self, path: &Path, written: Result<String, String>) {
         match written {
             Ok(digest) => self.say(format!("wrote {}; digest {digest}", path.display())),
-            Err(error) => self.error = Some(error),
+            Err(error) => self.fail(error),
         }
     }
 
@@ -84,9 +93,20 @@ impl Status {
         self.last = Some((drawn.sharpness, drawn.stages.clone(), drawn.lacks_bake));
     }
 
-    /// What is said in words: what is wrong, or the last message.
+    /// The last message.
     pub(crate) fn words(&self) -> &str {
-        self.error.as_deref().unwrap_or(&self.message)
+        &self.message
+    }
+
+    /// Whether it says that something failed.
+    pub(crate) fn is_failure(&self) -> bool {
+        self.is_failure
+    }
+
+    /// What is wrong, if anything is.
+    pub(crate) fn error(&self) -> Option<String> {
+        let failure = self.is_failure.then(|| self.message.clone());
+        failure.or_else(|| self.file_error.clone())
     }
 
     /// What is said in figures, the most important first.

@@ -46,7 +46,7 @@ impl Program {
             Ok(Saved::Written) => {
                 self.file.bytes = bytes;
                 self.scene_is_saved();
-                self.status.error = None;
+                self.status.file_error = None;
                 self.status
                     .say(format!("saved {}", self.file.path.display()));
                 vec![Effect::Watch(self.watched())]
@@ -88,10 +88,13 @@ impl Program {
     ) -> Vec<Effect> {
         let scene = match scene {
             Ok(scene) => *scene,
-            Err(error) => return self.fails(format!("{error}; the last scene is shown")),
+            Err(error) => {
+                self.status.file_error = Some(format!("{error}; the last scene is shown"));
+                return Vec::new();
+            }
         };
         let is_same_mesh = is_same_mesh(&scene, &self.scene);
-        self.status.error = None;
+        self.status.file_error = None;
         self.status.say(reloaded(&scene));
         self.hands.reload(&scene);
         self.file.bytes = bytes;
@@ -100,7 +103,7 @@ impl Program {
         if !is_same_mesh {
             effects.push(self.prepare());
         }
-        effects.push(self.show());
+        effects.push(self.show_anew());
         effects
     }
 
