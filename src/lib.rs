@@ -18,7 +18,7 @@
 //! | `bake` | partitions, spectral basis, sampled transfer, compressed rows, bake file |
 //! | `relight` | direct light, bounces, rasterizer, shading |
 //! | `reference` | path tracer: the truth that everything is measured against |
-//! | `output` | PNG and EXR files, heat maps, folders of files |
+//! | `output` | PNG and EXR files, heat maps, terminals, folders of files |
 //! | `golden` | scenes and frames held against golden images, and the report on it |
 //! | `measure` | how long frames take, and how wrong they are for it |
 //! | `preview` | the interactive terminal program |

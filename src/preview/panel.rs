@@ -16,7 +16,11 @@ const QUESTION: Levels = [120, 215, 255];
 /// Columns between the keys of the help and what they do.
 const GAP: usize = 2;
 /// Widest column of keys in the help.
-const KEYS_WIDTH: usize = 34;
+const KEYS_WIDTH: usize = 20;
+
+/// What the last row says below the help.
+pub(crate) const HELP_KEYS: &str =
+    "arrows, PgUp, PgDn scroll; any other key goes back to the picture";
 
 /// What the last row shows.
 pub(crate) enum Bottom<'a> {

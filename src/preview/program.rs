@@ -343,6 +343,7 @@ impl Program {
         }
         let bottom = match &self.prompt {
             Some(prompt) => panel::Bottom::Question(prompt.text()),
+            None if self.help.is_some() => panel::Bottom::Question(panel::HELP_KEYS),
             None => panel::Bottom::Status {
                 status: &self.status,
                 selected: self.hands.selected_name(),
