@@ -18,9 +18,10 @@
 //! | `bake` | partitions, spectral basis, sampled transfer, compressed rows, bake file |
 //! | `relight` | direct light, bounces, rasterizer, shading |
 //! | `reference` | path tracer: the truth that everything is measured against |
-//! | `output` | PNG and EXR files, heat maps, folders of files |
+//! | `output` | PNG and EXR files, heat maps, terminals, folders of files |
 //! | `golden` | scenes and frames held against golden images, and the report on it |
 //! | `measure` | how long frames take, and how wrong they are for it |
+//! | `preview` | the interactive terminal program |
 //!
 //! ```no_run
 //! use relume::{FrameSettings, Renderer, RunSettings, Scene};
@@ -40,6 +41,7 @@ pub mod golden;
 mod maths;
 pub mod measure;
 mod output;
+pub mod preview;
 pub mod reference;
 mod relight;
 pub mod report;
@@ -50,7 +52,7 @@ mod texture;
 
 pub use bake::{
     BakeError, BakeForecast, BakeSettings, BakeStats, ErrorParts, FreeKeys, LightErrors,
-    Partitioner, Progress, RunSettings, Scheme, Silent,
+    Partitioner, Progress, RunSettings, Scheme, Silent, ThreadPool, ThreadPoolError, thread_pool,
 };
 pub use compare::{
     ComparedImage, Failure, Figure, Figures, FlipMeasure, HeatScale, JudgeError, Judgement, Limits,
@@ -66,9 +68,9 @@ pub use output::{
 };
 pub use relight::{
     BakeFigures, BasisFunction, BasisFunctionError, BounceError, COMPONENTS, Component,
-    ComponentError, Frame, FrameSettings, ImageCounts, LightCounts, Outlook, RenderError, Renderer,
-    SceneContents, SceneFigures, SkyView, Stages, bounces_text, describe_levels, describe_scene,
-    develop,
+    ComponentError, Effort, Frame, FrameSettings, ImageCounts, LightCounts, Outlook, RenderError,
+    Renderer, SceneContents, SceneFigures, SeenSurfaces, SkyView, Stages, bounces_text,
+    describe_levels, describe_scene, develop,
 };
 pub use scene::{
     Animation, Area, BakeKeys, Bounces, Camera, Directional, Environment, GoldenKeys, Light,
@@ -77,29 +79,3 @@ pub use scene::{
 };
 pub use simd::Level as SimdLevel;
 pub use texture::{EnvironmentMap, Texture, TextureError, TextureFilter, TextureMap};
-
-/// A pool of so many threads (0: one a processor) in which jobs can be run;
-/// the number changes no bit of any result.
-///
-/// # Errors
-/// If the system cannot start so many threads.
-pub fn thread_pool(threads: usize) -> Result<ThreadPool, ThreadPoolError> {
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-    pool.map(ThreadPool)
-        .map_err(|error| ThreadPoolError(error.to_string()))
-}
-
-/// Threads that jobs can be run on.
-pub struct ThreadPool(rayon::ThreadPool);
-
-impl ThreadPool {
-    /// Runs a job on the pool's threads.
-    pub fn install<T: Send>(&self, job: impl FnOnce() -> T + Send) -> T {
-        self.0.install(job)
-    }
-}
-
-/// The system cannot start the threads.
-#[derive(Debug, thiserror::Error)]
-#[error("{0}")]
-pub struct ThreadPoolError(String);

@@ -76,7 +76,7 @@ pub(crate) use cache::{Baked, CacheOutcome, load_or_bake, load_stored};
 pub use forecast::BakeForecast;
 pub(crate) use forecast::forecast;
 pub(crate) use pilot::escaped_share_of_fronts;
-pub use run::{Progress, RunSettings, Silent};
+pub use run::{Progress, RunSettings, Silent, ThreadPool, ThreadPoolError, thread_pool};
 pub(crate) use scheme::Operator;
 pub use scheme::{Partitioner, Scheme};
 pub use settings::{BakeSettings, FreeKeys};

@@ -43,3 +43,29 @@ impl RunSettings<'static> {
         }
     }
 }
+
+/// A pool of so many threads (0: one a processor) in which jobs can be run;
+/// the number changes no bit of any result.
+///
+/// # Errors
+/// If the system cannot start so many threads.
+pub fn thread_pool(threads: usize) -> Result<ThreadPool, ThreadPoolError> {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+    pool.map(ThreadPool)
+        .map_err(|error| ThreadPoolError(error.to_string()))
+}
+
+/// Threads that jobs can be run on.
+pub struct ThreadPool(rayon::ThreadPool);
+
+impl ThreadPool {
+    /// Runs a job on the pool's threads.
+    pub fn install<T: Send>(&self, job: impl FnOnce() -> T + Send) -> T {
+        self.0.install(job)
+    }
+}
+
+/// The system cannot start the threads.
+#[derive(Debug, thiserror::Error)]
+#[error("{0}")]
+pub struct ThreadPoolError(String);

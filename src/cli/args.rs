@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use super::golden::Golden;
 use clap::{Args, Parser, Subcommand};
+use relume::preview::{ColourChoice, ProtocolChoice, UnknownChoice};
 use relume::{Bounces, Component, ComponentError, PixelLimit, Scheme, SimdLevel};
 
 /// Relight OBJ scenes on a CPU, with bounced light.
@@ -33,6 +34,9 @@ pub(super) enum Command {
     Reference(Reference),
     /// Measure speed against error and write a report; or time relighting.
     Measure(Measure),
+    /// Light a scene by hand, in the terminal: drag lamps, see bounced light follow,
+    /// save. ? shows the keys.
+    Preview(Preview),
 }
 
 impl Command {
@@ -45,6 +49,7 @@ impl Command {
             Self::Golden(arguments) => &arguments.suite().run,
             Self::Reference(arguments) => &arguments.scene.run,
             Self::Measure(arguments) => &arguments.scene.run,
+            Self::Preview(arguments) => &arguments.scene.run,
         }
     }
 }
@@ -111,6 +116,24 @@ pub(super) struct Diff {
     pub(super) heatmap: Option<PathBuf>,
     #[command(flatten)]
     pub(super) run: Run,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct Preview {
+    #[command(flatten)]
+    pub(super) scene: SceneArguments,
+    /// Pixels, once the scene rests: auto (what the terminal says it can), cells
+    /// (half blocks at rest too), kitty, iterm2 or sixel.
+    #[arg(long, default_value = "auto", value_parser = parse_protocol, value_name = "NAME")]
+    pub(super) protocol: ProtocolChoice,
+    /// Colours: auto (what the terminal says it can; none if NO_COLOR is set), true
+    /// (24 bits), 256, or none (a picture of characters).
+    #[arg(long, default_value = "auto", value_parser = parse_colours, value_name = "NAME")]
+    pub(super) colours: ColourChoice,
+    /// Take keys and mouse from a file instead of a terminal: lines `FRAME EVENT`,
+    /// such as `0 key Tab`, `1 mouse press left 40 12`, `9 rest`, `9 shot a.png`.
+    #[arg(long, value_name = "FILE")]
+    pub(super) script: Option<PathBuf>,
 }
 
 #[derive(Debug, Args)]
@@ -257,6 +280,14 @@ fn parse_bounces(text: &str) -> Result<Bounces, String> {
 }
 
 fn parse_component(text: &str) -> Result<Component, ComponentError> {
+    text.parse()
+}
+
+fn parse_protocol(text: &str) -> Result<ProtocolChoice, UnknownChoice> {
+    text.parse()
+}
+
+fn parse_colours(text: &str) -> Result<ColourChoice, UnknownChoice> {
     text.parse()
 }
 

@@ -4,6 +4,7 @@ use std::error::Error;
 
 use relume::golden::{FindError, PageError};
 use relume::measure::{MeasureError, NoLocalLight};
+use relume::preview::PreviewError;
 use relume::{BakeError, JudgeError, OutputError, RenderError, SceneError};
 use thiserror::Error;
 
@@ -30,6 +31,8 @@ pub(super) enum CliError {
     Find(#[from] FindError),
     #[error(transparent)]
     Page(PageError),
+    #[error(transparent)]
+    Preview(PreviewError),
     #[error("standard output could not be written; the files were")]
     StandardOutput(#[source] std::io::Error),
     #[error("{0}")]
@@ -43,6 +46,18 @@ impl From<PageError> for CliError {
         match error {
             PageError::Output(error) => error.into(),
             error @ PageError::Report(_) => Self::Page(error),
+        }
+    }
+}
+
+impl From<PreviewError> for CliError {
+    fn from(error: PreviewError) -> Self {
+        match error {
+            PreviewError::Scene(error) => error.into(),
+            PreviewError::Bake(error) => error.into(),
+            PreviewError::Output(error) => error.into(),
+            PreviewError::Stopped => Self::Stopped,
+            error => Self::Preview(error),
         }
     }
 }
@@ -64,6 +79,7 @@ impl CliError {
         match self {
             Self::Scene(error) if error.is_io() => 3,
             Self::Output(OutputError::UnknownFormat(_)) => 2,
+            Self::Preview(PreviewError::Script { .. }) => 3,
             Self::Output(_) | Self::Find(_) | Self::StandardOutput(_) => 3,
             Self::Stopped
             | Self::Render(RenderError::Cancelled)
@@ -78,6 +94,7 @@ impl CliError {
             | Self::Judge(_)
             | Self::Measure(_)
             | Self::Page(_)
+            | Self::Preview(_)
             | Self::Usage(_) => 2,
         }
     }

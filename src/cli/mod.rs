@@ -8,6 +8,7 @@ mod error;
 mod golden;
 mod info;
 mod measure;
+mod preview;
 mod reference;
 mod render;
 mod report;
@@ -50,5 +51,6 @@ fn execute(command: &Command) -> Result<Report, CliError> {
         Command::Golden(arguments) => golden::execute(arguments),
         Command::Reference(arguments) => reference::execute(arguments),
         Command::Measure(arguments) => measure::execute(arguments),
+        Command::Preview(arguments) => preview::execute(arguments),
     }
 }

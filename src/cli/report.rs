@@ -20,6 +20,8 @@ impl Report {
         let mut out = std::io::stdout().lock();
         let written = if json {
             writeln!(out, "{}", self.json)
+        } else if self.text.is_empty() {
+            Ok(())
         } else {
             writeln!(out, "{}", self.text)
         };

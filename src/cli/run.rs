@@ -91,16 +91,18 @@ pub(super) fn thread_pool(arguments: &Run) -> Result<ThreadPool, CliError> {
     })
 }
 
+/// What the command line changes of a scene.
+pub(super) fn overrides(arguments: &SceneArguments) -> Result<Vec<Override>, CliError> {
+    let error = arguments.error.map(|error| format!("bake.error={error:?}"));
+    let all = arguments.overrides.iter().chain(&error);
+    Ok(all
+        .map(|text| Override::parse(text))
+        .collect::<Result<Vec<_>, _>>()?)
+}
+
 /// Reads the scene with the command line's changes and says its warnings.
 pub(super) fn load_scene(arguments: &SceneArguments) -> Result<Scene, CliError> {
-    let error = arguments.error.map(|error| format!("bake.error={error:?}"));
-    let overrides = arguments
-        .overrides
-        .iter()
-        .chain(&error)
-        .map(|text| Override::parse(text))
-        .collect::<Result<Vec<_>, _>>()?;
-    let mut scene = Scene::load(&arguments.path, &overrides)?;
+    let mut scene = Scene::load(&arguments.path, &overrides(arguments)?)?;
     warn(std::mem::take(&mut scene.warnings));
     Ok(scene)
 }

@@ -14,7 +14,6 @@ pub(crate) fn cos(x: f64) -> f64 {
 }
 
 /// Arc cosine in radians, 0 to pi.
-#[cfg(test)]
 pub(crate) fn acos(x: f64) -> f64 {
     libm::acos(x)
 }

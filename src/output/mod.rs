@@ -1,15 +1,18 @@
-//! Image files and pictures that only people look at. The only room that names
-//! `png` and `tiny_skia`.
+//! Image files, pictures that only people look at, and what a terminal is sent to
+//! show one. The only room that names `png` and `tiny_skia`.
 //!
 //! Comes in: a frame as linear radiance and as levels, or a path. Goes out: a
 //! file that is either whole or absent, or what a file holds. The format is
 //! chosen by the extension; a new one is a file here and a line in [`FORMATS`].
+//! Bytes for terminals are made in [`terminal`].
 
 mod exr;
 mod file;
 mod glyphs;
 mod heat_map;
 mod png;
+mod strokes;
+pub(crate) mod terminal;
 
 use std::path::{Component, Path, PathBuf};
 
@@ -19,6 +22,7 @@ use crate::report::ReportFile;
 use file::write_whole;
 
 pub use heat_map::heat_map;
+pub(crate) use strokes::{Line, with_lines};
 
 /// One frame in both of its forms; a format takes the one it holds.
 #[derive(Debug, Clone, Copy)]

@@ -107,9 +107,9 @@ mod textures;
 use glam::{DVec3, Vec3};
 
 use super::bounces::Transport;
-use super::kept::KeptDirect;
-use super::{Component, FrameSettings, Renderer};
-use crate::bake::{Bake, BakeSettings, RunSettings, load_or_bake};
+use super::kept::{KeptDirect, OnVertices};
+use super::{Component, Effort, FrameSettings, Renderer};
+use crate::bake::{Bake, BakeSettings, RunSettings, Silent, load_or_bake};
 use crate::frame::Image;
 use crate::maths::order::Order;
 use crate::maths::sobol::ScrambledSobol;
@@ -183,8 +183,8 @@ impl Baked {
     fn direct(&self, lights: &[Light]) -> Vec<Vec3> {
         let placed = PlacedLights::of_file(lights, &self.surface.placement);
         let mut kept = KeptDirect::default();
-        kept.update(&self.surface, Level::detect(), &placed);
-        kept.sum(self.vertex_count())
+        update(&mut kept, &self.surface, &placed);
+        kept.sum(self.vertex_count()).0.to_vec()
     }
 
     /// Irradiance of the skies among the lights at the vertices; empty without.
@@ -224,6 +224,17 @@ impl Baked {
         let source: Vec<Vec3> = self.direct(lights).iter().map(|&e| e * albedo).collect();
         self.solve(&source, albedo, bounces)
     }
+}
+
+/// Brings lights at the vertices up to date, exactly; returns how many were new.
+fn update(kept: &mut KeptDirect, surface: &Surface, lights: &PlacedLights) -> usize {
+    let job = OnVertices {
+        surface,
+        level: Level::detect(),
+        effort: Effort::Full,
+        progress: &Silent,
+    };
+    kept.update(&job, lights).expect("nobody stops it")
 }
 
 /// A frame of a scene as its file asks for it.

@@ -4,8 +4,10 @@
 use std::sync::Arc;
 
 use glam::Vec3;
+use rayon::prelude::*;
 
-use crate::bake::Bake;
+use super::frame::Effort;
+use crate::bake::{Bake, Progress};
 use crate::maths::cube_cells::{CELL_COUNT, direction_in_cell};
 use crate::scene::{
     Light, Material, PlacedEnvironment, PlacedLight, PlacedLights, PlacedRectangle, Placement,
@@ -15,6 +17,9 @@ use crate::simd::Level;
 use crate::surface::Surface;
 use crate::surface::direct::{self, Shadows};
 use crate::texture::{TextureFilter, TextureMap};
+
+/// Vertices whose lights one task adds up.
+const VERTICES_A_TASK: usize = 4096;
 
 /// The lights of the last frame, placed; a scene of thousands of emitters takes
 /// a tenth of a second to place.
@@ -57,45 +62,90 @@ impl KeptLights {
 /// so an incremental frame has the bits of a fresh one.
 #[derive(Debug, Default)]
 pub(crate) struct KeptDirect {
-    lights: Vec<(PlacedLight, Vec<Vec3>)>,
+    lights: Vec<KeptLight>,
     /// The rectangles that were in the way.
     rectangles: Vec<PlacedRectangle>,
     /// Skies and what they do.
     sky: Option<(Vec<PlacedEnvironment>, Vec<Vec3>)>,
+    /// Sum of all, once it was asked for.
+    sum: Vec<Vec3>,
+    /// Counts the changes of the sum.
+    version: u64,
+}
+
+#[derive(Debug)]
+struct KeptLight {
+    light: PlacedLight,
+    effort: Effort,
+    irradiance: Vec<Vec3>,
+}
+
+/// What lights shine on, and how well it is to be found.
+pub(crate) struct OnVertices<'a> {
+    pub(crate) surface: &'a Surface,
+    pub(crate) level: Level,
+    pub(crate) effort: Effort,
+    pub(crate) progress: &'a dyn Progress,
+}
+
+impl OnVertices<'_> {
+    fn irradiance(&self, rectangles: &[PlacedRectangle], light: &PlacedLight) -> Vec<Vec3> {
+        let shadows = Shadows {
+            surface: self.surface,
+            level: self.level,
+            rectangles,
+        };
+        match self.effort {
+            Effort::Full => direct::at_vertices(&shadows, light),
+            Effort::Draft => direct::at_vertices_in_a_draft(&shadows, light),
+        }
+    }
 }
 
 impl KeptDirect {
-    /// Brings the kept vectors up to date; returns how many lights were computed.
-    pub(crate) fn update(
-        &mut self,
-        surface: &Surface,
-        level: Level,
-        lights: &PlacedLights,
-    ) -> usize {
-        let shadows = Shadows {
-            surface,
-            level,
-            rectangles: &lights.rectangles,
-        };
+    /// Brings the kept vectors up to date; returns how many lights were computed,
+    /// or `None` if it was stopped, which is asked between lights.
+    ///
+    /// A draft takes whatever is there of a light that did not change, and makes
+    /// drafts of the others; a full frame takes nothing from drafts.
+    pub(crate) fn update(&mut self, job: &OnVertices, lights: &PlacedLights) -> Option<usize> {
         let mut old = std::mem::take(&mut self.lights);
         if self.rectangles != lights.rectangles {
             // A rectangle that moved may have been, or now be, in any light's way.
             old.clear();
             self.rectangles.clone_from(&lights.rectangles);
         }
-        let mut computed = 0;
+        let (old_count, mut in_order, mut computed) = (old.len(), true, 0);
         for light in &lights.sources {
-            let same = old.iter().position(|(kept, _)| kept == light);
-            let entry = match same {
-                Some(position) => old.swap_remove(position),
+            let serves = |kept: &KeptLight| {
+                kept.light == *light && (kept.effort == Effort::Full || job.effort == Effort::Draft)
+            };
+            let entry = match old.iter().position(serves) {
+                Some(position) => {
+                    in_order &= position == 0;
+                    old.remove(position)
+                }
+                None if job.progress.cancelled() => {
+                    // What was found so far serves the next frame.
+                    self.lights.append(&mut old);
+                    self.sum.clear();
+                    return None;
+                }
                 None => {
                     computed += 1;
-                    (light.clone(), direct::at_vertices(&shadows, light))
+                    KeptLight {
+                        light: light.clone(),
+                        effort: job.effort,
+                        irradiance: job.irradiance(&lights.rectangles, light),
+                    }
                 }
             };
             self.lights.push(entry);
         }
-        computed
+        if computed > 0 || !in_order || old_count != self.lights.len() {
+            self.sum.clear();
+        }
+        Some(computed)
     }
 
     /// Irradiance of the skies at every vertex, W/m2; empty without a sky.
@@ -109,21 +159,26 @@ impl KeptDirect {
         let is_kept = self.sky.as_ref().is_some_and(|(kept, _)| kept == skies);
         if !is_kept {
             self.sky = Some((skies.to_vec(), sky_irradiance(surface, bake, level, skies)));
+            self.sum.clear();
         }
         self.sky.as_ref().map_or(&[], |(_, irradiance)| irradiance)
     }
 
     /// Sum of all lights at every vertex, W/m2, in the lights' order from zero,
-    /// then the sky.
-    pub(crate) fn sum(&self, vertex_count: usize) -> Vec<Vec3> {
-        let mut sum = vec![Vec3::ZERO; vertex_count];
-        let skies = self.sky.iter().map(|(_, irradiance)| irradiance);
-        for irradiance in self.lights.iter().map(|(_, e)| e).chain(skies) {
-            sum.iter_mut()
-                .zip(irradiance)
-                .for_each(|(total, e)| *total += *e);
+    /// then the sky; and a number that tells one sum from another.
+    pub(crate) fn sum(&mut self, vertex_count: usize) -> (&[Vec3], u64) {
+        if self.sum.len() != vertex_count {
+            let skies = self.sky.iter().map(|(_, irradiance)| irradiance);
+            let lights = self.lights.iter().map(|kept| &kept.irradiance);
+            let all: Vec<&Vec<Vec3>> = lights.chain(skies).filter(|e| !e.is_empty()).collect();
+            self.sum = (0..vertex_count)
+                .into_par_iter()
+                .with_min_len(VERTICES_A_TASK)
+                .map(|vertex| all.iter().fold(Vec3::ZERO, |sum, e| sum + e[vertex]))
+                .collect();
+            self.version += 1;
         }
-        sum
+        (&self.sum, self.version)
     }
 }
 

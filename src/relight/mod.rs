@@ -13,15 +13,19 @@ mod closed_forms;
 mod colours;
 mod component;
 mod description;
+mod frame;
 mod geometry;
 mod kept;
+mod lit_sites;
 mod outlook;
 mod paint;
 mod palette;
 mod raster;
 mod reach;
 mod renderer;
+mod seen;
 mod shade;
+mod sites;
 mod stages;
 
 pub use basis_view::BasisFunctionError;
@@ -30,8 +34,8 @@ pub(crate) use bounces::Transport;
 pub(crate) use colours::VertexColours;
 pub use component::{BasisFunction, COMPONENTS, Component, ComponentError};
 pub use description::{bounces_text, describe_levels, describe_scene};
+pub use frame::{Effort, Frame, FrameSettings, develop};
 pub use outlook::{ImageCounts, LightCounts, Outlook, SceneContents, SkyView};
-pub use renderer::{
-    BakeFigures, Frame, FrameSettings, RenderError, Renderer, SceneFigures, develop,
-};
+pub use renderer::{BakeFigures, RenderError, Renderer, SceneFigures};
+pub use seen::SeenSurfaces;
 pub use stages::Stages;

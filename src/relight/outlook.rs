@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use super::renderer::FrameSettings;
+use super::frame::FrameSettings;
 use crate::bake::{BakeForecast, OPEN_SHARE};
 use crate::scene::{LightKind, Material, PlacedLight, PlacedLights, Radiance, Scene};
 use crate::surface::Surface;

@@ -36,7 +36,7 @@ pub(crate) use crate::surface::{MeshEdge, NONE};
 
 pub(crate) use centers::{CenterBuffer, rasterize};
 pub(crate) use edges::edge_pixels;
-pub(crate) use groups::surface_groups;
+pub(crate) use groups::{SurfaceGroup, surface_groups};
 pub(crate) use samples::{SampleBuffer, rasterize_samples};
 
 /// Depth along the view axis, placed units, below which nothing is seen.

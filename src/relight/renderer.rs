@@ -1,6 +1,7 @@
 //! A scene that is ready to be lit and drawn, again and again.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use glam::Vec3;
 use thiserror::Error;
@@ -9,17 +10,18 @@ use super::basis_view::{BasisFunctionError, BasisView};
 use super::bounces::{BounceError, Transport};
 use super::colours::VertexColours;
 use super::component::Component;
-use super::kept::{KeptDirect, KeptLights};
+use super::frame::{Effort, Frame, FrameSettings};
+use super::kept::{KeptDirect, KeptLights, OnVertices};
+use super::lit_sites::KeptPicture;
 use super::outlook::{Outlook, SceneContents};
+use super::seen::SeenSurfaces;
 use super::shade::{View, draw};
 use super::stages::Stages;
 use crate::bake::{
     self, Bake, BakeError, BakeForecast, BakeSettings, BakeStats, CacheOutcome, RunSettings,
     Scheme, escaped_share_of_fronts, forecast, load_or_bake, load_stored,
 };
-use crate::frame::{Development, EncodedImage, Image};
-use crate::maths::order::Order;
-use crate::scene::{Bounces, Camera, Light, LightKind, PlacedLights, RenderKeys, Scene, Tone};
+use crate::scene::{Bounces, Light, LightKind, PlacedLights, RenderKeys, Scene};
 use crate::surface::{Detail, Surface};
 
 /// Why there is no frame.
@@ -37,98 +39,6 @@ pub enum RenderError {
     /// The job was stopped.
     #[error("the frame was stopped; nothing was written")]
     Cancelled,
-}
-
-/// What a frame shows and how: settings that change its bits.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct FrameSettings {
-    /// The camera, with the size of the frame.
-    pub camera: Camera,
-    /// Indirect bounces after the direct light.
-    pub bounces: Bounces,
-    /// Shadow rays a pixel to a light that is no point, 1 to 16,384; what is
-    /// beyond is taken for these.
-    pub light_samples: u32,
-    /// What is shown.
-    pub component: Component,
-}
-
-impl FrameSettings {
-    /// What the scene file asks for.
-    pub fn of_scene(scene: &Scene) -> Self {
-        Self {
-            camera: scene.camera,
-            bounces: scene.render.bounces,
-            light_samples: scene.render.light_samples,
-            component: Component::Global,
-        }
-    }
-
-    fn needs_bounces(&self) -> bool {
-        self.component.needs_indirect() && self.bounces != Bounces::Count(0)
-    }
-
-    fn needs_direct_at_vertices(&self) -> bool {
-        self.needs_bounces() || self.component == Component::ApproximatedDirect
-    }
-
-    /// The sky's direct light comes from the bake too.
-    fn needs_sky(&self, lights: &PlacedLights) -> bool {
-        self.component.needs_direct() && !lights.skies.is_empty()
-    }
-}
-
-/// A frame: linear, neither exposed nor tone-mapped.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Frame {
-    /// What the image shows.
-    pub component: Component,
-    /// The component asked for, row 0 on top.
-    pub image: Image,
-    /// Pixels whose indirect (or approximated direct) light was below zero and
-    /// was set to it.
-    pub clamped_pixels: u64,
-    /// Lights whose light at the vertices was computed for this frame.
-    pub computed_lights: usize,
-    /// Milliseconds by stage.
-    pub stages: Stages,
-}
-
-/// The 8-bit levels of a component: light is exposed (EV) and goes through the
-/// tone curve; albedo and pictures of the basis are colours; normals are shown as 0.5 + 0.5 n and depth
-/// from white (nearest) to black (farthest).
-pub fn develop(image: &Image, component: Component, exposure: f32, tone: Tone) -> EncodedImage {
-    match component {
-        Component::Albedo | Component::Partitions | Component::Basis(_) => {
-            Development::Color.develop(image)
-        }
-        Component::Normal => Development::Plain
-            .develop(&image.map(|n| if n == Vec3::ZERO { n } else { n * 0.5 + 0.5 })),
-        Component::Depth => Development::Plain.develop(&nearness(image)),
-        _ => Development::Radiance { exposure, tone }.develop(image),
-    }
-}
-
-/// Depths as 1 (nearest) to 0 (farthest, and where nothing is seen).
-fn nearness(depths: &Image) -> Image {
-    let seen = || depths.pixels().iter().map(|p| p.x).filter(|&d| d > 0.0);
-    let nearest = seen().fold(f32::INFINITY, f32::at_most);
-    let range = seen().fold(0.0, f32::at_least) - nearest;
-    depths.map(|p| {
-        let share = if range > 0.0 {
-            (p.x - nearest) / range
-        } else {
-            0.0
-        };
-        Vec3::splat(if p.x > 0.0 { 1.0 - share } else { 0.0 })
-    })
-}
-
-impl Frame {
-    /// The frame's 8-bit levels; see [`develop`].
-    pub fn develop(&self, exposure: f32, tone: Tone) -> EncodedImage {
-        develop(&self.image, self.component, exposure, tone)
-    }
 }
 
 /// How big a scene and its bake are.
@@ -193,6 +103,9 @@ pub struct Renderer {
     cache_folder: Option<PathBuf>,
     placed: KeptLights,
     kept: KeptDirect,
+    bounced: Option<Bounced>,
+    /// Drafts and full frames, which follow one another while lights are moved.
+    pictures: [KeptPicture; 2],
     colours: VertexColours,
     warnings: Vec<String>,
     stages: Stages,
@@ -221,6 +134,8 @@ impl Renderer {
             cache_folder: cache_folder.map(Path::to_owned),
             placed: KeptLights::default(),
             kept: KeptDirect::default(),
+            bounced: None,
+            pictures: Default::default(),
             colours: VertexColours::default(),
             warnings,
             stages,
@@ -293,6 +208,25 @@ impl Renderer {
         self.baked = stored.ok().flatten().map(Baked::from);
     }
 
+    /// Takes the bake from the cache folder, if a valid one is there; says whether
+    /// the renderer has a bake now.
+    pub fn load_bake(&mut self) -> bool {
+        if self.baked.is_none() {
+            let settings = BakeSettings::of_scheme(self.scheme, &self.scene.bake);
+            self.load(&settings);
+        }
+        self.baked.is_some()
+    }
+
+    /// What the last frame of such an effort shows of the mesh; nothing before the
+    /// first.
+    pub fn seen(&self, effort: Effort) -> SeenSurfaces {
+        let sites = self.pictures[effort as usize].sites();
+        sites.map_or_else(SeenSurfaces::default, |sites| {
+            SeenSurfaces::of(sites, &self.surface)
+        })
+    }
+
     /// Whether a frame needs a bake that the renderer does not have yet.
     pub fn needs_bake(&self, settings: &FrameSettings) -> bool {
         self.baked.is_none() && self.reads_bake(settings)
@@ -343,7 +277,27 @@ impl Renderer {
     }
 
     /// Draws a frame; bakes first where the frame needs it.
+    ///
+    /// # Errors
+    /// A bake that failed or was stopped, a function of the basis that is none,
+    /// bounces without a limit, a frame that was stopped.
     pub fn frame(
+        &mut self,
+        settings: &FrameSettings,
+        run: &RunSettings,
+    ) -> Result<Frame, RenderError> {
+        if self.needs_bake(settings) {
+            self.bake(run)?;
+        }
+        self.frame_so_far(settings, run)
+    }
+
+    /// The same with what there is: without a bake, the light that it would bring
+    /// is left out, bounced light and the sky's.
+    ///
+    /// # Errors
+    /// As [`Self::frame`], but for those of a bake.
+    pub fn frame_so_far(
         &mut self,
         settings: &FrameSettings,
         run: &RunSettings,
@@ -352,44 +306,7 @@ impl Renderer {
         let lights = stages.time("lights", || {
             self.placed.update(&self.scene, &self.surface.placement)
         });
-        let mut computed_lights = 0;
-        let mut indirect = Vec::new();
-        let mut sky = Vec::new();
-        let mut approximated = Vec::new();
-        let mut basis = None;
-        if settings.component.needs_basis() {
-            self.bake(run)?;
-            let baked = self.baked.as_ref().expect("the frame has made its bake");
-            basis = BasisView::of(baked.bake.basis(), settings.component)?;
-        }
-        if settings.needs_direct_at_vertices() || settings.needs_sky(&lights) {
-            self.bake(run)?;
-            let baked = self.baked.as_ref().expect("the frame has made its bake");
-            let (surface, kept) = (&self.surface, &mut self.kept);
-            let at_vertices = stages.time("sky", || {
-                kept.sky(surface, &baked.bake, run.level, &lights.skies)
-            });
-            if settings.needs_sky(&lights) {
-                sky = at_vertices.to_vec();
-            }
-        }
-        if settings.needs_direct_at_vertices() {
-            let (surface, kept) = (&self.surface, &mut self.kept);
-            computed_lights = stages.time("direct at vertices", || {
-                kept.update(surface, run.level, &lights)
-            });
-            let (scene, colours) = (&self.scene, &mut self.colours);
-            stages.time("colours at vertices", || colours.update(scene, surface));
-        }
-        if settings.component == Component::ApproximatedDirect {
-            approximated = stages.time("projection", || {
-                let source = self.reflected_direct(&self.vertex_albedo());
-                self.transport(run).projected(&source)
-            });
-        }
-        if settings.needs_bounces() {
-            indirect = stages.time("bounces", || self.bounce(settings.bounces, run))?;
-        }
+        let at_vertices = self.light_at_vertices(settings, &lights, run, &mut stages)?;
         let view = View {
             surface: &self.surface,
             level: run.level,
@@ -399,27 +316,93 @@ impl Renderer {
             light_samples: settings
                 .light_samples
                 .clamp(1, RenderKeys::MOST_LIGHT_SAMPLES),
-            sky: &sky,
-            indirect: &indirect,
-            approximated: &approximated,
-            basis: basis.as_ref(),
+            sky: &at_vertices.sky,
+            indirect: &at_vertices.indirect,
+            approximated: &at_vertices.approximated,
+            basis: at_vertices.basis.as_ref(),
             component: settings.component,
+            effort: settings.effort,
         };
-        let picture = draw(&view, &mut stages, run.progress).ok_or(RenderError::Cancelled)?;
+        let kept = &mut self.pictures[settings.effort as usize];
+        let picture = draw(&view, kept, &mut stages, run.progress).ok_or(RenderError::Cancelled)?;
         Ok(Frame {
             component: settings.component,
             image: picture.image,
             clamped_pixels: picture.clamped_pixels,
-            computed_lights,
+            computed_lights: at_vertices.computed_lights,
             stages,
         })
     }
 
-    /// Indirect irradiance at the vertices from the kept direct light.
-    fn bounce(&self, bounces: Bounces, run: &RunSettings) -> Result<Vec<Vec3>, BounceError> {
+    /// What a frame needs of the vertices and the bake, as far as there is one.
+    fn light_at_vertices(
+        &mut self,
+        settings: &FrameSettings,
+        lights: &PlacedLights,
+        run: &RunSettings,
+        stages: &mut Stages,
+    ) -> Result<AtVertices, RenderError> {
+        let mut found = AtVertices::default();
+        let Some(baked) = &self.baked else {
+            return Ok(found);
+        };
+        if settings.component.needs_basis() {
+            found.basis = BasisView::of(baked.bake.basis(), settings.component)?;
+        }
+        if settings.needs_direct_at_vertices() || settings.needs_sky(lights) {
+            let (surface, kept) = (&self.surface, &mut self.kept);
+            let sky = stages.time("sky", || {
+                kept.sky(surface, &baked.bake, run.level, &lights.skies)
+            });
+            if settings.needs_sky(lights) {
+                found.sky = sky.to_vec();
+            }
+        }
+        if settings.needs_direct_at_vertices() {
+            let job = OnVertices {
+                surface: &self.surface,
+                level: run.level,
+                effort: settings.effort,
+                progress: run.progress,
+            };
+            let kept = &mut self.kept;
+            let computed = stages.time("direct at vertices", || kept.update(&job, lights));
+            found.computed_lights = computed.ok_or(RenderError::Cancelled)?;
+            let (scene, surface, colours) = (&self.scene, &self.surface, &mut self.colours);
+            stages.time("colours at vertices", || colours.update(scene, surface));
+        }
+        if settings.component == Component::ApproximatedDirect {
+            found.approximated = stages.time("projection", || {
+                let (source, _) = self.reflected_direct(&self.vertex_albedo());
+                self.transport(run).projected(&source)
+            });
+        }
+        if settings.needs_bounces() {
+            found.indirect = stages.time("bounces", || self.bounce(settings.bounces, run))?;
+        }
+        Ok(found)
+    }
+
+    /// Indirect irradiance at the vertices from the kept direct light; that of the
+    /// last frame if nothing that it depends on has changed.
+    fn bounce(&mut self, bounces: Bounces, run: &RunSettings) -> Result<Arc<[Vec3]>, BounceError> {
         let albedo = self.vertex_albedo();
-        let source = self.reflected_direct(&albedo);
-        self.transport(run).solve(&source, &albedo, bounces)
+        let (source, version) = self.reflected_direct(&albedo);
+        if let Some(last) = &self.bounced
+            && last.of_direct == version
+            && last.bounces == bounces
+            && last.albedo == albedo
+        {
+            return Ok(last.irradiance.clone());
+        }
+        let irradiance: Arc<[Vec3]> = self.transport(run).solve(&source, &albedo, bounces)?.into();
+        self.bounced = Some(Bounced {
+            of_direct: version,
+            bounces,
+            albedo,
+            irradiance: irradiance.clone(),
+        });
+        Ok(irradiance)
     }
 
     fn transport(&self, run: &RunSettings) -> Transport<'_> {
@@ -434,13 +417,30 @@ impl Renderer {
         self.colours.albedo(&self.scene, &self.surface)
     }
 
-    /// Radiosity of the vertices by the kept direct light, W/m2.
-    fn reflected_direct(&self, albedo: &[Vec3]) -> Vec<Vec3> {
-        let direct = self.kept.sum(self.surface.vertices.len());
-        direct
-            .iter()
-            .zip(albedo)
-            .map(|(e, rho)| *e * *rho)
-            .collect()
+    /// Radiosity of the vertices by the kept direct light, W/m2, and the number of
+    /// that direct light.
+    fn reflected_direct(&mut self, albedo: &[Vec3]) -> (Vec<Vec3>, u64) {
+        let (direct, version) = self.kept.sum(self.surface.vertices.len());
+        let pairs = direct.iter().zip(albedo);
+        (pairs.map(|(e, rho)| *e * *rho).collect(), version)
     }
+}
+
+/// What a frame reads at the vertices; what it does not need is empty.
+#[derive(Default)]
+struct AtVertices {
+    sky: Vec<Vec3>,
+    indirect: Arc<[Vec3]>,
+    approximated: Vec<Vec3>,
+    basis: Option<BasisView>,
+    computed_lights: usize,
+}
+
+/// The last solution, and what it depends on besides the bake.
+struct Bounced {
+    /// Number of the sum of direct light.
+    of_direct: u64,
+    bounces: Bounces,
+    albedo: Vec<Vec3>,
+    irradiance: Arc<[Vec3]>,
 }

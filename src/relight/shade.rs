@@ -16,28 +16,19 @@ use rayon::prelude::*;
 
 use super::basis_view::BasisView;
 use super::component::{Component, Shaded, shown};
-use super::geometry::Geometry;
+use super::frame::Effort;
+use super::lit_sites::KeptPicture;
 use super::paint::{Footprint, Paint};
-use super::raster::{
-    CenterBuffer, Fragment, RasterMesh, SampleBuffer, edge_pixels, rasterize, rasterize_samples,
-    surface_groups,
-};
-use super::reach::{Reach, SeenPoints, mixed, seen_point, seen_points, trace};
+use super::raster::Fragment;
+use super::reach::seen_point;
+use super::sites::{Sites, members};
 use super::stages::Stages;
 use crate::bake::Progress;
 use crate::frame::Image;
-use crate::scene::{PlacedCamera, PlacedLight, PlacedLights, Scene};
+use crate::scene::{PlacedCamera, PlacedLights, Scene};
 use crate::simd::Level;
-use crate::surface::direct::{Found, LightPoints, Shadows};
+use crate::surface::direct::Shadows;
 use crate::surface::{NONE, Surface, SurfacePoint};
-
-/// Samples of a pixel that share the shadow rays of its centre: where a light
-/// is partly hidden, each of the 16 samples gets a quarter of `light_samples`.
-/// (64 rays where 16 disagree: 16 alone leave 6 % of noise in a penumbra, these
-/// about 2 %.)
-const SAMPLES_PER_CENTRE: u32 = 4;
-/// Seed of the points of lights, seen from samples.
-const LIGHT_SEED: u32 = 0x9e12;
 
 /// What a picture is made of.
 pub(crate) struct View<'a> {
@@ -59,6 +50,7 @@ pub(crate) struct View<'a> {
     /// What is shown of the basis itself.
     pub(crate) basis: Option<&'a BasisView>,
     pub(crate) component: Component,
+    pub(crate) effort: Effort,
 }
 
 impl View<'_> {
@@ -79,42 +71,18 @@ pub(crate) struct Picture {
     pub(crate) clamped_pixels: u64,
 }
 
-/// Draws a view; `None` if it was stopped, which is asked between stages.
-pub(crate) fn draw(view: &View, stages: &mut Stages, progress: &dyn Progress) -> Option<Picture> {
+/// Draws a view with what is kept of the last one; `None` if it was stopped, which
+/// is asked between stages.
+pub(crate) fn draw(
+    view: &View,
+    kept: &mut KeptPicture,
+    stages: &mut Stages,
+    progress: &dyn Progress,
+) -> Option<Picture> {
     let go_on = || (!progress.cancelled()).then_some(());
-    let geometry = Geometry::new(view.surface, &view.lights.rectangles);
-    let mesh = geometry.mesh();
-    let centers = stages.time("raster", || rasterize(&view.camera, &mesh));
     go_on()?;
-    let edges = stages.time("edges", || edge_pixels(&view.camera, &mesh, &centers));
-    let lights: &[PlacedLight] = if view.component.needs_direct() {
-        &view.lights.sources
-    } else {
-        &[]
-    };
+    let (sites, direct) = kept.direct(view, stages, &go_on)?;
     go_on()?;
-    let points = stages.time("points", || seen_points(view, &centers));
-    let reaches: Vec<Vec<Reach>> = stages.time("shadow rays", || {
-        lights
-            .iter()
-            .map(|light| go_on().map(|()| trace(view, light, &points)))
-            .collect::<Option<_>>()
-    })?;
-    let mixed: Vec<Vec<bool>> = stages.time("shadow edges", || {
-        lights
-            .iter()
-            .zip(&reaches)
-            .map(|(light, reach)| mixed(view, light, &points, reach))
-            .collect()
-    });
-    let mut mask = edges.clone();
-    for light in &mixed {
-        mask.iter_mut()
-            .zip(light)
-            .for_each(|(masked, mixed)| *masked |= mixed);
-    }
-    go_on()?;
-    let samples = stages.time("samples", || rasterize_samples(&view.camera, &mesh, &mask));
     let shading = Shading {
         view,
         paint: Paint {
@@ -122,17 +90,9 @@ pub(crate) fn draw(view: &View, stages: &mut Stages, progress: &dyn Progress) ->
             mesh: &view.surface.mesh,
             camera: &view.camera,
         },
-        geometry: &geometry,
-        mesh: &mesh,
-        centers: &centers,
-        points: &points,
-        edges: &edges,
-        samples: &samples,
-        reaches: &reaches,
-        mixed: &mixed,
-        lights,
+        sites,
+        direct: &direct,
     };
-    go_on()?;
     let picture = stages.time("shade", || shading.picture());
     go_on()?;
     Some(picture)
@@ -141,16 +101,9 @@ pub(crate) fn draw(view: &View, stages: &mut Stages, progress: &dyn Progress) ->
 struct Shading<'a> {
     view: &'a View<'a>,
     paint: Paint<'a>,
-    geometry: &'a Geometry,
-    mesh: &'a RasterMesh<'a>,
-    centers: &'a CenterBuffer,
-    points: &'a SeenPoints,
-    /// Pixels of more than one surface.
-    edges: &'a [bool],
-    samples: &'a SampleBuffer,
-    reaches: &'a [Vec<Reach>],
-    mixed: &'a [Vec<bool>],
-    lights: &'a [PlacedLight],
+    sites: &'a Sites,
+    /// Irradiance of all lights by site, W/m2; empty where it is not shown.
+    direct: &'a [Vec3],
 }
 
 impl Shading<'_> {
@@ -177,40 +130,30 @@ impl Shading<'_> {
 
     /// The pixel's value, and whether light from the basis was below zero there.
     fn pixel(&self, pixel: usize) -> (Vec3, bool) {
-        match self.samples.pixel(pixel) {
-            Some(samples) if self.edges[pixel] => self.pixel_of_surfaces(pixel, samples),
-            samples => self.uniform_pixel(pixel, samples),
+        match self.sites.samples.pixel(pixel) {
+            Some(samples) => self.pixel_of_surfaces(pixel, samples),
+            None => self.uniform_pixel(pixel),
         }
     }
 
-    /// A pixel of one surface, shaded at its centre; lights with a shadow's
-    /// edge in it are averaged over `samples`.
-    fn uniform_pixel(&self, pixel: usize, samples: Option<&[Fragment; 16]>) -> (Vec3, bool) {
-        let fragment = &self.centers.fragments[pixel];
-        let Some(point) = &self.points[pixel] else {
+    /// Direct irradiance at a site, W/m2.
+    fn direct(&self, site: usize) -> Vec3 {
+        self.direct.get(site).copied().unwrap_or(Vec3::ZERO)
+    }
+
+    /// A pixel of one surface, shaded at its centre.
+    fn uniform_pixel(&self, pixel: usize) -> (Vec3, bool) {
+        let fragment = &self.sites.centers.fragments[pixel];
+        let Some(point) = &self.sites.points[pixel] else {
             return (self.no_surface(pixel, fragment), false);
         };
-        let at_light = |light: usize| match samples {
-            Some(samples) if self.mixed[light][pixel] => {
-                self.light_mean(light, pixel, samples.iter())
-            }
-            _ if self.reaches[light][pixel] == Reach::Lit => self.lights[light]
-                .incident(point.position, point.normal)
-                .open(),
-            _ => Vec3::ZERO,
-        };
-        let direct = (0..self.lights.len()).fold(Vec3::ZERO, |sum, light| sum + at_light(light));
-        let [albedo, emission] = self.colours(fragment, Footprint::Pixel);
-        self.shaded(fragment, point, direct, [albedo, emission])
+        let colours = self.colours(fragment, Footprint::Pixel);
+        self.shaded(fragment, point, self.direct(pixel), colours)
     }
 
     /// A pixel of more than one surface: each is shaded once, at its sample
     /// closest to its middle, and weighted by the samples that it covers.
     fn pixel_of_surfaces(&self, pixel: usize, samples: &[Fragment; 16]) -> (Vec3, bool) {
-        let at = [
-            pixel as u32 % self.view.camera.width,
-            pixel as u32 / self.view.camera.width,
-        ];
         let share = |members: u32| members as f32 / 16.0;
         let uncovered = samples.iter().filter(|s| !s.is_covered()).count() as u32;
         let mut value = Vec3::ZERO;
@@ -218,86 +161,36 @@ impl Shading<'_> {
             value += self.no_surface(pixel, &Fragment::EMPTY) * share(uncovered);
         }
         let mut below_zero = false;
-        for group in surface_groups(samples, self.mesh, &self.view.camera, at).iter() {
+        for (site, group) in self.sites.groups(pixel) {
             let fragment = &samples[group.representative as usize];
-            let members = || {
-                (0..16)
-                    .filter(|k| group.members >> k & 1 == 1)
-                    .map(|k| &samples[k])
+            let (shade, negative) = match seen_point(self.view, fragment) {
+                None => (self.no_surface(pixel, fragment), false),
+                Some(point) => {
+                    let colours = self.colours_of_group(fragment, members(group, samples));
+                    self.shaded(fragment, &point, self.direct(site), colours)
+                }
             };
-            let (shade, negative) = self.group(pixel, fragment, &members);
             value += shade * share(group.members.count_ones());
             below_zero |= negative;
         }
         (value, below_zero)
     }
 
-    /// Value of the samples of a pixel that show one surface, shaded at
-    /// `fragment`.
-    fn group<'f, I: Iterator<Item = &'f Fragment>>(
+    /// Albedo and emission of a surface in a pixel: means over its samples where
+    /// it has a map.
+    fn colours_of_group<'f>(
         &self,
-        pixel: usize,
         fragment: &Fragment,
-        members: &dyn Fn() -> I,
-    ) -> (Vec3, bool) {
-        let Some(point) = seen_point(self.view, fragment) else {
-            return (self.no_surface(pixel, fragment), false);
-        };
-        let shadows = self.view.shadows();
-        let at_light = |light: usize| {
-            if self.mixed[light][pixel] {
-                self.light_mean(light, pixel, members())
-            } else {
-                let count = self.view.light_samples;
-                let to_light = LightPoints::of(LIGHT_SEED, pixel as u32, 0, count);
-                shadows.irradiance(&self.lights[light], &point, to_light)
-            }
-        };
-        let direct = (0..self.lights.len()).fold(Vec3::ZERO, |sum, light| sum + at_light(light));
-        let colours = if self.paint.has_map(fragment) {
-            let (sum, count) = members().fold(([Vec3::ZERO; 2], 0), |(sum, count), member| {
-                let [albedo, emission] = self.colours(member, Footprint::Sample);
-                ([sum[0] + albedo, sum[1] + emission], count + 1)
-            });
-            sum.map(|colour| colour / count as f32)
-        } else {
-            self.colours(fragment, Footprint::Sample)
-        };
-        self.shaded(fragment, &point, direct, colours)
-    }
-
-    /// Points of a light that a sample of a pixel sends its shadow rays to.
-    fn light_points(&self, pixel: usize, sample: u32) -> LightPoints {
-        let count = self.view.light_samples.div_ceil(SAMPLES_PER_CENTRE);
-        LightPoints::of(LIGHT_SEED, pixel as u32, sample * count, count)
-    }
-
-    /// Irradiance of one light, the mean over fragments with shadow rays each.
-    fn light_mean<'f>(
-        &self,
-        light: usize,
-        pixel: usize,
-        fragments: impl Iterator<Item = &'f Fragment>,
-    ) -> Vec3 {
-        let (shadows, light) = (self.view.shadows(), &self.lights[light]);
-        let mut found = Found::default();
-        // What a light that is no point sends hardly changes within a pixel: one
-        // look at thousands of emitters does for all samples.
-        let mut shared = None;
-        for (sample, fragment) in fragments.enumerate() {
-            let Some(point) = seen_point(self.view, fragment) else {
-                continue;
-            };
-            let to_light = self.light_points(pixel, sample as u32);
-            if shared.is_none() || light.is_sharp() {
-                let incident = light.incident(point.position, point.normal);
-                shared = Some((incident, point.position));
-            }
-            if let Some((incident, from)) = &shared {
-                shadows.follow_all((incident, *from), &point, to_light, &mut found);
-            }
+        members: impl Iterator<Item = &'f Fragment>,
+    ) -> [Vec3; 2] {
+        if !self.paint.has_map(fragment) {
+            return self.colours(fragment, Footprint::Sample);
         }
-        found.irradiance()
+        let (sum, count) = members.fold(([Vec3::ZERO; 2], 0), |(sum, count), member| {
+            let [albedo, emission] = self.colours(member, Footprint::Sample);
+            ([sum[0] + albedo, sum[1] + emission], count + 1)
+        });
+        sum.map(|colour| colour / count as f32)
     }
 
     /// Albedo and emission of a fragment.
@@ -314,7 +207,7 @@ impl Shading<'_> {
     /// rectangle, or the sky.
     fn no_surface(&self, pixel: usize, fragment: &Fragment) -> Vec3 {
         let view = self.view;
-        if let Some(index) = self.geometry.rectangle_of(fragment) {
+        if let Some(index) = self.sites.geometry.rectangle_of(fragment) {
             let rectangle = &view.lights.rectangles[index];
             let side = if fragment.front { 1.0 } else { -1.0 };
             let shaded = Shaded {

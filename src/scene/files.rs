@@ -42,6 +42,38 @@ impl Files for Disk {
     }
 }
 
+/// Files of a source, with a list of those that were asked for.
+pub(crate) struct Recorded<'a> {
+    files: &'a dyn Files,
+    asked: RefCell<BTreeSet<PathBuf>>,
+}
+
+impl<'a> Recorded<'a> {
+    pub(crate) fn new(files: &'a dyn Files) -> Self {
+        Self {
+            files,
+            asked: RefCell::default(),
+        }
+    }
+
+    /// Every path that was asked for, whether there is a file or not, in order of
+    /// their names.
+    pub(crate) fn asked(&self) -> Vec<PathBuf> {
+        self.asked.borrow().iter().cloned().collect()
+    }
+}
+
+impl Files for Recorded<'_> {
+    fn read(&self, path: &Path) -> io::Result<Vec<u8>> {
+        self.asked.borrow_mut().insert(path.to_owned());
+        self.files.read(path)
+    }
+
+    fn names(&self, folder: &Path) -> Vec<OsString> {
+        self.files.names(folder)
+    }
+}
+
 /// A path and what reading it gives.
 pub(crate) type ReadFile = (PathBuf, io::Result<Vec<u8>>);
 

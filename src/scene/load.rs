@@ -7,7 +7,7 @@ use glam::Vec3;
 
 use super::file::Document;
 use super::file::fields::{key_error, suggestion};
-use super::files::{Disk, Files, Finder};
+use super::files::{Disk, Files, Finder, Recorded};
 use super::images::Images;
 use super::maps::{self, MapStatement};
 use super::obj::{self, Loaded};
@@ -49,6 +49,18 @@ impl Scene {
         Self::load_with(&bytes, path, &all, &Disk)
     }
 
+    /// [`Scene::load`] of the bytes that `path` held a moment ago.
+    ///
+    /// # Errors
+    /// As [`Scene::load`].
+    pub(crate) fn load_bytes(
+        bytes: &[u8],
+        path: &Path,
+        overrides: &[Override],
+    ) -> Result<Self, SceneError> {
+        Self::load_with(bytes, path, overrides, &Disk)
+    }
+
     /// [`Scene::load`] of the bytes that `path` holds, with another source of
     /// files.
     pub(crate) fn load_with(
@@ -57,7 +69,8 @@ impl Scene {
         overrides: &[Override],
         files: &dyn Files,
     ) -> Result<Self, SceneError> {
-        let finder = Finder::new(files);
+        let files = Recorded::new(files);
+        let finder = Finder::new(&files);
         let images = Images::new(&finder);
         let document = Document::parse(strict_text(bytes, path)?, path, overrides, &images)?;
         let asked_by = format!("{}: ", document.mesh_place);
@@ -81,6 +94,7 @@ impl Scene {
             bake: document.bake,
             animations: document.animations,
             golden: document.golden,
+            files: files.asked(),
             warnings,
         })
     }

@@ -3,7 +3,8 @@
 //!
 //! Comes in: paths. Goes out: [`Scene`], checked, in the units of the file and
 //! in double precision, with a [`Placement`] that says how the later stages
-//! see it. The only room that names `tobj` and `toml`.
+//! see it. The only room that names `tobj`, `toml`
+//! and `toml_edit`.
 
 mod animation;
 mod camera;
@@ -26,6 +27,7 @@ mod placement;
 mod sample_images;
 #[cfg(test)]
 pub(crate) mod sample_scenes;
+mod save;
 mod text;
 
 use glam::Vec3;
@@ -46,6 +48,7 @@ pub use material::Material;
 pub(crate) use mesh::same_corners;
 pub use mesh::{Mesh, MeshTriangle};
 pub(crate) use placement::Placement;
+pub(crate) use save::{Edited, SaveError, Saved, edited_bytes, save_file};
 
 use crate::texture::TextureFilter;
 
@@ -70,6 +73,9 @@ pub struct Scene {
     pub animations: Vec<Animation>,
     /// `[golden]`.
     pub golden: GoldenKeys,
+    /// The files besides the scene file that it was read from, or that it names
+    /// and are not there.
+    pub files: Vec<std::path::PathBuf>,
     /// What was dropped, clamped or is not rendered yet: one sentence a kind.
     pub warnings: Vec<String>,
 }

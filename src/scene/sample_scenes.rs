@@ -161,6 +161,7 @@ impl SampleMesh {
             },
             animations: Vec::new(),
             golden: GoldenKeys::default(),
+            files: Vec::new(),
             warnings: Vec::new(),
             mesh: self.mesh,
         }

@@ -22,6 +22,8 @@ const MANY_SEED: u32 = 0xd181;
 /// Shadow rays to a light that is no point, from the first point of a vertex's
 /// area.
 const POINTS_OF_LIGHT: u32 = 16;
+/// The same in a draft: bounces average over many vertices.
+const POINTS_OF_LIGHT_IN_A_DRAFT: u32 = 2;
 /// The same from each of all eight points, where one is not enough.
 const POINTS_OF_LIGHT_EACH: u32 = 8;
 /// Seed of the points of lights, seen from vertices.
@@ -245,6 +247,16 @@ impl<'a> AreaPoints<'a> {
 /// Irradiance of one light at every vertex by one point each, W/m2: the first
 /// point of its area that is in the open; zero where none is.
 pub(crate) fn at_vertices_by_one_point(shadows: &Shadows, light: &PlacedLight) -> Vec<Vec3> {
+    by_one_point(shadows, light, POINTS_OF_LIGHT)
+}
+
+/// The same by fewer shadow rays where the light is no point: for a picture that
+/// is about to change.
+pub(crate) fn at_vertices_in_a_draft(shadows: &Shadows, light: &PlacedLight) -> Vec<Vec3> {
+    by_one_point(shadows, light, POINTS_OF_LIGHT_IN_A_DRAFT)
+}
+
+fn by_one_point(shadows: &Shadows, light: &PlacedLight, points_of_light: u32) -> Vec<Vec3> {
     (0..shadows.surface.vertices.len())
         .into_par_iter()
         .with_min_len(256)
@@ -252,7 +264,7 @@ pub(crate) fn at_vertices_by_one_point(shadows: &Shadows, light: &PlacedLight) -
             let points = AreaPoints::of(shadows.surface, v);
             let first = points.open().next();
             first.map_or(Vec3::ZERO, |index| {
-                let to_light = LightPoints::of(LIGHT_SEED, v as u32, 0, POINTS_OF_LIGHT);
+                let to_light = LightPoints::of(LIGHT_SEED, v as u32, 0, points_of_light);
                 shadows.irradiance(light, &points.point(index), to_light)
             })
         })

@@ -7,6 +7,7 @@ mod goldens;
 mod info;
 mod measured_reports;
 mod mistakes;
+mod preview;
 #[path = "../program/mod.rs"]
 mod program;
 mod reports;

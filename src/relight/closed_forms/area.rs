@@ -5,8 +5,7 @@ use std::f64::consts::PI;
 
 use glam::{DVec3, Vec3};
 
-use super::{Deviation, at_most, frame_of, seen_on_plane};
-use crate::bake::RunSettings;
+use super::{Deviation, at_most, frame_of, seen_on_plane, update};
 use crate::frame::Image;
 use crate::maths::functions::acos;
 use crate::maths::sobol::ScrambledSobol;
@@ -132,8 +131,8 @@ fn a_rectangle_lights_the_vertices_of_a_floor() {
     let surface = Surface::fronts(&scene, &Detail::of_keys(&scene.bake));
     let placed = PlacedLights::of(&scene, &surface.placement);
     let mut kept = KeptDirect::default();
-    kept.update(&surface, RunSettings::silent().level, &placed);
-    let irradiance = kept.sum(surface.vertices.len());
+    update(&mut kept, &surface, &placed);
+    let (irradiance, _) = kept.sum(surface.vertices.len());
     let over_area = |vertex: usize| {
         let points = ScrambledSobol::new(5, vertex as u32);
         let at = |k: u32| {

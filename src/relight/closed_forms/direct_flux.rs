@@ -5,8 +5,7 @@ use std::f64::consts::PI;
 
 use glam::{DVec3, Vec3};
 
-use super::{at_most, largest};
-use crate::bake::RunSettings;
+use super::{at_most, largest, update};
 use crate::maths::functions::acos;
 use crate::relight::kept::KeptDirect;
 use crate::scene::PlacedLights;
@@ -77,8 +76,8 @@ fn assert_flux(heights: &[(f64, f64)]) {
             let light = DVec3::new(0.031 * i + 0.003, height * EDGE, 0.031 * j + 0.001);
             let placed = PlacedLights::of_file(&[point_light(light, 1.0)], &surface.placement);
             let mut kept = KeptDirect::default();
-            kept.update(&surface, RunSettings::silent().level, &placed);
-            let irradiance: Vec<Vec3> = kept.sum(surface.vertices.len());
+            update(&mut kept, &surface, &placed);
+            let (irradiance, _): (&[Vec3], _) = kept.sum(surface.vertices.len());
             let areas = surface.vertices.areas();
             let caught: f64 = irradiance
                 .iter()

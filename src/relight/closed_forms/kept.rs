@@ -1,16 +1,17 @@
 //! What is kept from frame to frame never shows: incremental frames have the
 //! bits of fresh ones.
 
+use std::sync::atomic::{AtomicU32, Ordering};
+
 use glam::{DVec3, Vec3};
 
-use super::Baked;
-use crate::bake::RunSettings;
+use super::{Baked, update};
+use crate::bake::{Progress, RunSettings};
 use crate::relight::kept::KeptDirect;
-use crate::relight::{FrameSettings, Renderer};
+use crate::relight::{Effort, FrameSettings, Renderer};
 use crate::scene::PlacedLights;
 use crate::scene::sample_scenes::{point_light, room_with_blocks};
 use crate::scene::{Light, LightKind, Scene};
-use crate::simd::Level;
 
 fn lit_room() -> Scene {
     let mut scene = room_with_blocks(false, 0.25, 128);
@@ -50,15 +51,15 @@ fn kept_direct_light_has_the_bits_of_fresh_light() {
     let mut kept = KeptDirect::default();
     for step in 0..=20 {
         let lights = PlacedLights::of_file(&scene.lights, &room.surface.placement);
-        let computed = kept.update(&room.surface, Level::detect(), &lights);
+        let computed = update(&mut kept, &room.surface, &lights);
         assert_eq!(
             computed,
             if step == 0 { 2 } else { 1 },
             "lights computed in step {step}"
         );
-        let incremental = kept.sum(room.vertex_count());
+        let (incremental, _) = kept.sum(room.vertex_count());
         assert_eq!(
-            bits(&incremental),
+            bits(incremental),
             bits(&room.direct(&scene.lights)),
             "step {step}"
         );
@@ -117,6 +118,91 @@ fn ten_thousand_moves_leave_no_trace() {
     let fresh = Renderer::new(moved, None).frame(&settings, &run).unwrap();
     assert_eq!(last, fresh.image, "not the bits of a fresh frame");
     assert!(last != first, "the lights have moved");
+}
+
+/// Edits of all kinds, of which each leaves something of the last frame to keep.
+fn edit(scene: &mut Scene, step: u32) {
+    let by = f64::from(step + 1) / 64.0;
+    match step % 7 {
+        0 | 4 => move_light(&mut scene.lights[(step % 2) as usize], DVec3::splat(by)),
+        1 => scene.camera.position += DVec3::new(by, 0.0, 0.0),
+        2 => scene.materials[0].albedo = Vec3::splat(0.3 + by as f32),
+        3 => scene.lights.swap(0, 1),
+        5 => scene.lights.push(scene.lights[0].clone()),
+        _ => scene.lights.truncate(2),
+    }
+}
+
+#[test]
+fn drafts_and_edits_leave_no_trace_in_a_full_frame() {
+    let mut scene = lit_room();
+    scene.lights.push(Light {
+        name: "panel".to_owned(),
+        kind: LightKind::Area(crate::scene::Area {
+            corner: DVec3::new(-0.2, 0.9, -0.2),
+            edge_u: DVec3::new(0.4, 0.0, 0.0),
+            edge_v: DVec3::new(0.0, 0.0, 0.4),
+            radiance: Vec3::ONE,
+        }),
+    });
+    let run = RunSettings::silent();
+    let mut renderer = Renderer::new(scene.clone(), None);
+    for step in 0..14 {
+        edit(&mut scene, step);
+        let (lights, materials) = (scene.lights.clone(), scene.materials.clone());
+        renderer.relight(|l, m| (*l, *m) = (lights, materials));
+        let full = FrameSettings::of_scene(&scene);
+        let draft = FrameSettings {
+            effort: Effort::Draft,
+            ..full
+        };
+        let drafted = renderer.frame(&draft, &run).unwrap().image;
+        let image = renderer.frame(&full, &run).unwrap().image;
+        let again = renderer.frame(&full, &run).unwrap();
+        assert_eq!(again.computed_lights, 0, "step {step}");
+        let fresh = Renderer::new(scene.clone(), None).frame(&full, &run);
+        let fresh = fresh.unwrap().image;
+        assert!(image == fresh && again.image == fresh, "step {step}");
+        assert!(drafted != fresh, "step {step}: a draft has no smooth edges");
+    }
+}
+
+#[test]
+fn a_frame_that_was_stopped_leaves_no_trace() {
+    let scene = lit_room();
+    let settings = FrameSettings::of_scene(&scene);
+    let run = RunSettings::silent();
+    let mut renderer = Renderer::new(scene, None);
+    let first = renderer.frame(&settings, &run).unwrap().image;
+    for questions in 0..12 {
+        let stops = StopsAfter(AtomicU32::new(questions));
+        let stopped = RunSettings {
+            progress: &stops,
+            ..RunSettings::silent()
+        };
+        renderer.relight(|lights, _| move_light(&mut lights[0], DVec3::new(0.125, 0.0, 0.0)));
+        // Stopped sooner or later, or after all.
+        let _ = renderer.frame(&settings, &stopped);
+        renderer.relight(|lights, _| move_light(&mut lights[0], DVec3::new(-0.125, 0.0, 0.0)));
+        let image = renderer.frame(&settings, &run).unwrap().image;
+        assert!(image == first, "stopped at question {questions}");
+    }
+}
+
+/// Lets a job ask so many times before it is stopped.
+struct StopsAfter(AtomicU32);
+
+impl Progress for StopsAfter {
+    fn stage(&self, _: &'static str, _: u64) {}
+
+    fn advance(&self, _: u64) {}
+
+    fn cancelled(&self) -> bool {
+        let left = |left: u32| left.checked_sub(1);
+        self.0
+            .fetch_update(Ordering::Relaxed, Ordering::Relaxed, left)
+            .is_err()
+    }
 }
 
 #[test]

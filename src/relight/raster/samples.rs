@@ -53,7 +53,7 @@ const fn sample_offsets() -> [[f32; 2]; SAMPLE_COUNT] {
 }
 
 /// Fragments of the pixels that were asked for.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub(crate) struct SampleBuffer {
     /// For every pixel its place in `samples`, or [`NONE`].
     pub(crate) index: Vec<u32>,

@@ -47,6 +47,11 @@ impl Override {
         Ok(Self { target, node })
     }
 
+    /// The light whose key is replaced, if it is a light's.
+    pub(crate) fn light_name(&self) -> Option<&str> {
+        self.target.light_name()
+    }
+
     /// Replaces the key in the tree.
     pub(crate) fn apply(&self, table: &mut Table) -> Result<(), SceneError> {
         table.graft(&self.target, self.node.clone())

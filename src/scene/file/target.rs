@@ -63,6 +63,14 @@ impl Target {
         }
     }
 
+    /// The light that the path leads to, if it leads to one.
+    pub(crate) fn light_name(&self) -> Option<&str> {
+        match self {
+            Self::Named { list, name, .. } if list == "light" => Some(name),
+            _ => None,
+        }
+    }
+
     fn top_level(key: &str) -> Result<Self, String> {
         if TOP_LEVEL.contains(&key) {
             return Ok(Self::TopLevel {

@@ -1,0 +1,29 @@
+//! Ctrl-Z: the program stops until the shell continues it.
+
+use std::io;
+use std::sync::atomic::Ordering;
+
+use rustix::process::{Signal, getpgrp, getppid, getsid, kill_current_process_group};
+use signal_hook::consts::SIGTSTP;
+use signal_hook::low_level::emulate_default_handler;
+
+use super::shared::Expected;
+
+/// Whether somebody could continue the program: a shell with jobs, which is in our
+/// session and has put us into a group of our own. Of a group that is orphaned
+/// the system takes no stop from a terminal either.
+pub(super) fn can_be_continued() -> bool {
+    let session = getsid(None);
+    let parent = getppid().and_then(|parent| getsid(Some(parent)).ok());
+    session.is_ok_and(|session| parent == Some(session) && session != getpgrp())
+}
+
+/// Stops the process group; comes back when it is continued. The others of the
+/// group, as a script that has started us, get what Ctrl-Z would have sent them;
+/// ourselves, who hear that signal, the stop that cannot be heard.
+pub(super) fn stop(expected: &Expected) -> io::Result<()> {
+    expected.stops.store(1, Ordering::Relaxed);
+    expected.continues.store(1, Ordering::Relaxed);
+    kill_current_process_group(Signal::TSTP)?;
+    emulate_default_handler(SIGTSTP)
+}

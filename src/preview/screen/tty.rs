@@ -1,0 +1,171 @@
+//! The terminal as the system has it.
+
+use std::fs::File;
+use std::io::{self, ErrorKind, IsTerminal, Write};
+use std::os::fd::{AsFd, OwnedFd};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use rustix::event::{PollFd, PollFlags, Timespec, poll};
+use rustix::fs::{Mode, OFlags, open};
+use rustix::io::{read, retry_on_intr};
+use rustix::termios::{
+    Action, OptionalActions, QueueSelector, Termios, tcflow, tcflush, tcgetattr, tcgetwinsize,
+    tcsetattr, ttyname,
+};
+
+use super::ScreenError;
+
+/// Standard input and output, which are a terminal.
+pub(super) struct Tty {
+    input: OwnedFd,
+    /// Not `Stdout`: that would cut a frame at its lines.
+    output: File,
+    /// The same terminal opened once more, for writes that do not wait: what is set
+    /// of standard output is set for the shell too. None where it has no name.
+    unwaiting: Option<File>,
+    before: Termios,
+}
+
+/// Between two tries to write.
+const LOOK: Duration = Duration::from_millis(2);
+
+/// How large the terminal is; 0 what it does not say.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Size {
+    pub(super) columns: u16,
+    pub(super) rows: u16,
+    pub(super) width_px: u16,
+    pub(super) height_px: u16,
+}
+
+impl Tty {
+    /// Opens the terminal and remembers how it is.
+    pub(super) fn open() -> Result<Self, ScreenError> {
+        if !io::stdout().is_terminal() {
+            return Err(ScreenError::NoTerminal("standard output"));
+        }
+        if !io::stdin().is_terminal() {
+            return Err(ScreenError::NoTerminal("standard input"));
+        }
+        let input = io::stdin().as_fd().try_clone_to_owned()?;
+        let output = File::from(io::stdout().as_fd().try_clone_to_owned()?);
+        let unwaiting = open_unwaiting(&output).ok();
+        let before = tcgetattr(&input).map_err(io::Error::from)?;
+        Ok(Self {
+            input,
+            output,
+            unwaiting,
+            before,
+        })
+    }
+
+    /// Keys come as they are hit, unechoed, Ctrl-C among them.
+    pub(super) fn enter_raw(&self) -> io::Result<()> {
+        let mut raw = self.before.clone();
+        raw.make_raw();
+        self.set(&raw)
+    }
+
+    /// As it was when it was opened.
+    pub(super) fn restore(&self) -> io::Result<()> {
+        self.set(&self.before)
+    }
+
+    /// At once: waiting until all is written could be for ever.
+    fn set(&self, termios: &Termios) -> io::Result<()> {
+        let set = || tcsetattr(&self.input, OptionalActions::Now, termios);
+        Ok(retry_on_intr(set)?)
+    }
+
+    /// Writes all of it, as one piece where the system takes it so.
+    pub(super) fn write(&self, bytes: &[u8]) -> io::Result<()> {
+        (&self.output).write_all(bytes)
+    }
+
+    /// Writes all of it within a time, throwing away what was written before it
+    /// where the terminal reads nothing.
+    pub(super) fn write_within(&self, bytes: &[u8], limit: Duration) -> io::Result<()> {
+        let Some(mut line) = self.unwaiting.as_ref() else {
+            return self.write_if_ready(bytes);
+        };
+        let start = Instant::now();
+        let mut rest = bytes;
+        while !rest.is_empty() {
+            match line.write(rest) {
+                Ok(count) => rest = &rest[count..],
+                Err(error) if error.kind() == ErrorKind::Interrupted => {}
+                Err(error) if error.kind() != ErrorKind::WouldBlock => return Err(error),
+                Err(error) if start.elapsed() > limit => return Err(error),
+                Err(_) => {
+                    // With what is thrown away may be the beginning.
+                    rest = bytes;
+                    self.discard_output();
+                    thread::sleep(LOOK);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Writes, unless there is no room at all.
+    fn write_if_ready(&self, bytes: &[u8]) -> io::Result<()> {
+        let mut waiting = [PollFd::new(&self.output, PollFlags::OUT)];
+        match poll(&mut waiting, Some(&Timespec::default()))? {
+            0 => Err(ErrorKind::TimedOut.into()),
+            _ => self.write(bytes),
+        }
+    }
+
+    /// Bytes that come within a time; none if none do.
+    pub(super) fn read_within(&self, limit: Duration) -> io::Result<Vec<u8>> {
+        let limit = Timespec {
+            tv_sec: i64::try_from(limit.as_secs()).unwrap_or(i64::MAX),
+            tv_nsec: limit.subsec_nanos().into(),
+        };
+        let mut waiting = [PollFd::new(&self.input, PollFlags::IN)];
+        let ready = match poll(&mut waiting, Some(&limit)) {
+            // A signal: the caller takes it for the end of the time.
+            Err(rustix::io::Errno::INTR) => 0,
+            other => other?,
+        };
+        if ready == 0 {
+            return Ok(Vec::new());
+        }
+        let mut buffer = [0; 1024];
+        let count = retry_on_intr(|| read(&self.input, &mut buffer[..]))?;
+        Ok(buffer[..count].to_vec())
+    }
+
+    /// Throws away what the terminal has not read, and wakes who waits for room:
+    /// Linux does that only when output goes on after a halt.
+    pub(super) fn discard_output(&self) {
+        // Where one of them cannot be done the writer is waited for in vain.
+        let _ = tcflush(&self.output, QueueSelector::OFlush);
+        let _ = tcflow(&self.output, Action::OOff);
+        let _ = tcflow(&self.output, Action::OOn);
+    }
+
+    /// Throws away what nobody has read of the terminal.
+    pub(super) fn discard_input(&self) {
+        let _ = tcflush(&self.input, QueueSelector::IFlush);
+    }
+
+    /// How large it is, if it says.
+    pub(super) fn size(&self) -> Option<Size> {
+        let size = tcgetwinsize(&self.output).ok()?;
+        Some(Size {
+            columns: size.ws_col,
+            rows: size.ws_row,
+            width_px: size.ws_xpixel,
+            height_px: size.ws_ypixel,
+        })
+    }
+}
+
+/// Opens a terminal by its name, so that writing to it never waits.
+fn open_unwaiting(terminal: &File) -> io::Result<File> {
+    let name = ttyname(terminal, Vec::new())?;
+    let flags = OFlags::WRONLY | OFlags::NONBLOCK | OFlags::NOCTTY | OFlags::CLOEXEC;
+    Ok(open(name.as_c_str(), flags, Mode::empty())?.into())
+}

@@ -1,0 +1,262 @@
+//! Direct light at the sites of a picture, light by light, and what of it is
+//! kept from frame to frame.
+
+use std::sync::Arc;
+
+use glam::Vec3;
+use rayon::prelude::*;
+
+use super::frame::Effort;
+use super::raster::{Fragment, SampleBuffer};
+use super::reach::{Reach, mixed, seen_point, trace};
+use super::shade::View;
+use super::sites::{Sites, members, samples_of};
+use super::stages::Stages;
+use crate::scene::PlacedLight;
+use crate::surface::direct::{Found, LightPoints};
+
+/// Samples of a pixel that share the shadow rays of its centre: where a light
+/// is partly hidden, each of the 16 samples gets a quarter of `light_samples`.
+/// (64 rays where 16 disagree: 16 alone leave 6 % of noise in a penumbra, these
+/// about 2 %.)
+const SAMPLES_PER_CENTRE: u32 = 4;
+/// Seed of the points of lights, seen from samples.
+const LIGHT_SEED: u32 = 0x9e12;
+/// Sites that one task takes.
+const SITES_A_TASK: usize = 256;
+/// Most bytes of lights' irradiance that are kept between frames: some 90 lights
+/// at 1280 x 720. Lights beyond are computed in every frame.
+const KEPT_BYTES: usize = 1 << 30;
+
+/// The sites of the last picture, and each light's irradiance there. What did not
+/// change is not computed again; the sum is formed in the lights' order.
+#[derive(Default)]
+pub(crate) struct KeptPicture {
+    sites: Option<Sites>,
+    lights: Vec<LitSites>,
+}
+
+#[derive(Clone)]
+struct LitSites {
+    light: PlacedLight,
+    light_samples: u32,
+    /// W/m2 by site.
+    irradiance: Arc<[Vec3]>,
+}
+
+impl KeptPicture {
+    /// What the last picture shows of the mesh.
+    pub(super) fn sites(&self) -> Option<&Sites> {
+        self.sites.as_ref()
+    }
+
+    /// The view's sites and the sum of all lights there, W/m2 (empty where the
+    /// component has no use for it); `None` if it was stopped, which is asked
+    /// between stages and lights.
+    pub(super) fn direct(
+        &mut self,
+        view: &View,
+        stages: &mut Stages,
+        go_on: &dyn Fn() -> Option<()>,
+    ) -> Option<(&Sites, Vec<Vec3>)> {
+        if !self.sites.as_ref().is_some_and(|sites| sites.serve(view)) {
+            *self = Self::default();
+            self.sites = Some(Sites::of(view, stages, go_on)?);
+        }
+        let sites = self.sites.as_ref().expect("they were made above");
+        if !view.component.needs_direct() {
+            return Some((sites, Vec::new()));
+        }
+        let kept = std::mem::take(&mut self.lights);
+        let found = |light: &PlacedLight| {
+            let serves = |k: &&LitSites| k.light == *light && k.light_samples == view.light_samples;
+            kept.iter().find(serves)
+        };
+        let sources = view.lights.sources.iter();
+        let new: Vec<&PlacedLight> = sources.filter(|light| found(light).is_none()).collect();
+        let asked = Asked::of(view, sites, &new, stages, go_on);
+        let mut next_asked = 0;
+        let mut sum = vec![Vec3::ZERO; sites.len()];
+        let bytes_of_one = size_of_val(sum.as_slice());
+        for light in &view.lights.sources {
+            let lit = match (found(light), &asked) {
+                (Some(lit), _) => lit.clone(),
+                (None, Some(asked)) if go_on().is_some() => {
+                    next_asked += 1;
+                    LitSites {
+                        light: light.clone(),
+                        light_samples: view.light_samples,
+                        irradiance: stages.time("light at pixels", || {
+                            asked.irradiance(light, next_asked - 1)
+                        }),
+                    }
+                }
+                _ => {
+                    // What there is serves the next frame.
+                    self.lights.extend(kept);
+                    return None;
+                }
+            };
+            add(&mut sum, &lit.irradiance);
+            if (self.lights.len() + 1) * bytes_of_one <= KEPT_BYTES {
+                self.lights.push(lit);
+            }
+        }
+        Some((sites, sum))
+    }
+}
+
+/// Adds one light's irradiance to the sum of those before it.
+fn add(sum: &mut [Vec3], irradiance: &[Vec3]) {
+    let pairs = sum.iter_mut().zip(irradiance);
+    pairs.for_each(|(total, e)| *total += *e);
+}
+
+/// What is known of lights before their irradiance is computed: where one answer
+/// a pixel is not enough, and the samples there.
+struct Asked<'a> {
+    view: &'a View<'a>,
+    sites: &'a Sites,
+    reaches: Vec<Vec<Reach>>,
+    mixed: Vec<Vec<bool>>,
+    /// Samples of the pixels of one surface in which some light is mixed.
+    samples: SampleBuffer,
+    pixels_of_groups: Vec<u32>,
+}
+
+impl<'a> Asked<'a> {
+    fn of(
+        view: &'a View<'a>,
+        sites: &'a Sites,
+        lights: &[&PlacedLight],
+        stages: &mut Stages,
+        go_on: &dyn Fn() -> Option<()>,
+    ) -> Option<Self> {
+        let mut asked = Self {
+            view,
+            sites,
+            reaches: Vec::new(),
+            mixed: Vec::new(),
+            samples: SampleBuffer::default(),
+            pixels_of_groups: Vec::new(),
+        };
+        if view.effort == Effort::Draft || lights.is_empty() {
+            return Some(asked);
+        }
+        asked.pixels_of_groups = sites.pixels_of_groups();
+        asked.reaches = stages.time("shadow rays", || {
+            let traced = lights.iter();
+            traced
+                .map(|light| go_on().map(|()| trace(view, light, &sites.points)))
+                .collect::<Option<_>>()
+        })?;
+        asked.mixed = stages.time("shadow edges", || {
+            let pairs = lights.iter().zip(&asked.reaches);
+            pairs
+                .map(|(light, reach)| mixed(view, light, &sites.points, reach))
+                .collect()
+        });
+        let mut mask = vec![false; sites.pixel_count()];
+        for light in &asked.mixed {
+            for pixel in 0..mask.len() {
+                mask[pixel] |= light[pixel] && !sites.edges[pixel];
+            }
+        }
+        go_on()?;
+        asked.samples = stages.time("samples", || samples_of(view, &sites.geometry, &mask));
+        Some(asked)
+    }
+
+    /// Irradiance of one light at every site, W/m2; `number` is its place among
+    /// those that were asked for.
+    fn irradiance(&self, light: &PlacedLight, number: usize) -> Arc<[Vec3]> {
+        let site = |site: usize| match site.checked_sub(self.sites.pixel_count()) {
+            None if self.view.effort == Effort::Draft => self.at_centre(light, site),
+            None if self.sites.edges[site] => Vec3::ZERO,
+            None => self.at_pixel(light, number, site),
+            Some(group) => self.at_group(light, number, group),
+        };
+        let sites = (0..self.sites.len()).into_par_iter();
+        let values: Vec<Vec3> = sites.with_min_len(SITES_A_TASK).map(site).collect();
+        values.into()
+    }
+
+    /// In a draft: the light at the pixel's centre.
+    fn at_centre(&self, light: &PlacedLight, pixel: usize) -> Vec3 {
+        let Some(point) = &self.sites.points[pixel] else {
+            return Vec3::ZERO;
+        };
+        let count = self.view.light_samples;
+        let to_light = LightPoints::of(LIGHT_SEED, pixel as u32, 0, count);
+        self.view.shadows().irradiance(light, point, to_light)
+    }
+
+    /// A pixel of one surface: at its centre, or averaged over its samples where
+    /// the light has an edge there.
+    fn at_pixel(&self, light: &PlacedLight, number: usize, pixel: usize) -> Vec3 {
+        let Some(point) = &self.sites.points[pixel] else {
+            return Vec3::ZERO;
+        };
+        if self.mixed[number][pixel] {
+            let samples = self.samples.pixel(pixel);
+            let samples = samples.expect("a pixel with a light's edge has samples");
+            return self.mean(light, pixel, samples.iter());
+        }
+        if self.reaches[number][pixel] == Reach::Lit {
+            light.incident(point.position, point.normal).open()
+        } else {
+            Vec3::ZERO
+        }
+    }
+
+    /// One surface of a pixel of several: at its sample closest to its middle,
+    /// or averaged over its samples.
+    fn at_group(&self, light: &PlacedLight, number: usize, index: usize) -> Vec3 {
+        let (pixel, group) = (self.pixels_of_groups[index], self.sites.group(index));
+        let samples = self.sites.samples.pixel(pixel as usize);
+        let samples = samples.expect("a pixel of an edge has samples");
+        if self.mixed[number][pixel as usize] {
+            return self.mean(light, pixel as usize, members(group, samples));
+        }
+        let fragment = &samples[group.representative as usize];
+        seen_point(self.view, fragment).map_or(Vec3::ZERO, |point| {
+            let count = self.view.light_samples;
+            let to_light = LightPoints::of(LIGHT_SEED, pixel, 0, count);
+            self.view.shadows().irradiance(light, &point, to_light)
+        })
+    }
+
+    /// Points of a light that a sample of a pixel sends its shadow rays to.
+    fn light_points(&self, pixel: usize, sample: u32) -> LightPoints {
+        let count = self.view.light_samples.div_ceil(SAMPLES_PER_CENTRE);
+        LightPoints::of(LIGHT_SEED, pixel as u32, sample * count, count)
+    }
+
+    /// The mean over fragments with shadow rays each.
+    fn mean<'f>(
+        &self,
+        light: &PlacedLight,
+        pixel: usize,
+        fragments: impl Iterator<Item = &'f Fragment>,
+    ) -> Vec3 {
+        let shadows = self.view.shadows();
+        let mut found = Found::default();
+        // What a light that is no point sends hardly changes within a pixel: one
+        // look at thousands of emitters does for all samples.
+        let mut shared = None;
+        for (sample, fragment) in fragments.enumerate() {
+            let Some(point) = seen_point(self.view, fragment) else {
+                continue;
+            };
+            let to_light = self.light_points(pixel, sample as u32);
+            if shared.is_none() || light.is_sharp() {
+                let incident = light.incident(point.position, point.normal);
+                shared = Some((incident, point.position));
+            }
+            if let Some((incident, from)) = &shared {
+                shadows.follow_all((incident, *from), &point, to_light, &mut found);
+            }
+        }
+        found.irradiance()
+    }
+}
