@@ -4,9 +4,9 @@
 use std::sync::Arc;
 
 use glam::Vec3;
-use rayon::prelude::*;
 
 use super::frame::Effort;
+use super::sum::{BlockSums, Part};
 use crate::bake::{Bake, Progress};
 use crate::maths::cube_cells::{CELL_COUNT, direction_in_cell};
 use crate::scene::{
@@ -17,9 +17,6 @@ use crate::simd::Level;
 use crate::surface::Surface;
 use crate::surface::direct::{self, Shadows};
 use crate::texture::{TextureFilter, TextureMap};
-
-/// Vertices whose lights one task adds up.
-const VERTICES_A_TASK: usize = 4096;
 
 /// The lights of the last frame, placed; a scene of thousands of emitters takes
 /// a tenth of a second to place.
@@ -58,8 +55,8 @@ impl KeptLights {
 }
 
 /// Each light's direct irradiance at the vertices. A light that did not change
-/// is not computed again; the sum is always formed anew in the lights' order,
-/// so an incremental frame has the bits of a fresh one.
+/// is not computed again; the sum is that of all lights in their order, so an
+/// incremental frame has the bits of a fresh one.
 #[derive(Debug, Default)]
 pub(crate) struct KeptDirect {
     lights: Vec<KeptLight>,
@@ -67,6 +64,9 @@ pub(crate) struct KeptDirect {
     rectangles: Vec<PlacedRectangle>,
     /// Skies and what they do.
     sky: Option<(Vec<PlacedEnvironment>, Vec<Vec3>)>,
+    /// Lights computed so far: the next one's number.
+    computed: u64,
+    blocks: BlockSums,
     /// Sum of all, once it was asked for.
     sum: Vec<Vec3>,
     /// Counts the changes of the sum.
@@ -77,7 +77,7 @@ pub(crate) struct KeptDirect {
 struct KeptLight {
     light: PlacedLight,
     effort: Effort,
-    irradiance: Vec<Vec3>,
+    part: Part,
 }
 
 /// What lights shine on, and how well it is to be found.
@@ -133,10 +133,14 @@ impl KeptDirect {
                 }
                 None => {
                     computed += 1;
+                    self.computed += 1;
                     KeptLight {
                         light: light.clone(),
                         effort: job.effort,
-                        irradiance: job.irradiance(&lights.rectangles, light),
+                        part: Part {
+                            id: self.computed,
+                            irradiance: job.irradiance(&lights.rectangles, light).into(),
+                        },
                     }
                 }
             };
@@ -164,18 +168,16 @@ impl KeptDirect {
         self.sky.as_ref().map_or(&[], |(_, irradiance)| irradiance)
     }
 
-    /// Sum of all lights at every vertex, W/m2, in the lights' order from zero,
-    /// then the sky; and a number that tells one sum from another.
+    /// Sum of all lights at every vertex, W/m2, in the lights' order from zero
+    /// (by blocks where there are many), then the sky; and a number that tells one
+    /// sum from another.
     pub(crate) fn sum(&mut self, vertex_count: usize) -> (&[Vec3], u64) {
         if self.sum.len() != vertex_count {
-            let skies = self.sky.iter().map(|(_, irradiance)| irradiance);
-            let lights = self.lights.iter().map(|kept| &kept.irradiance);
-            let all: Vec<&Vec<Vec3>> = lights.chain(skies).filter(|e| !e.is_empty()).collect();
-            self.sum = (0..vertex_count)
-                .into_par_iter()
-                .with_min_len(VERTICES_A_TASK)
-                .map(|vertex| all.iter().fold(Vec3::ZERO, |sum, e| sum + e[vertex]))
-                .collect();
+            let parts: Vec<Part> = self.lights.iter().map(|kept| kept.part.clone()).collect();
+            self.sum = self.blocks.of(&parts, vertex_count);
+            let sky = self.sky.iter().flat_map(|(_, irradiance)| irradiance);
+            let pairs = self.sum.iter_mut().zip(sky);
+            pairs.for_each(|(total, e)| *total += *e);
             self.version += 1;
         }
         (&self.sum, self.version)

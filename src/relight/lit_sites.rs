@@ -12,6 +12,7 @@ use super::reach::{Reach, mixed, seen_point, trace};
 use super::shade::View;
 use super::sites::{Sites, members, samples_of};
 use super::stages::Stages;
+use super::sum::{BLOCK, BlockSums, Part};
 use crate::scene::PlacedLight;
 use crate::surface::direct::{Found, LightPoints};
 
@@ -34,14 +35,17 @@ const KEPT_BYTES: usize = 1 << 30;
 pub(crate) struct KeptPicture {
     sites: Option<Sites>,
     lights: Vec<LitSites>,
+    /// Lights computed so far: the next one's number.
+    computed: u64,
+    blocks: BlockSums,
 }
 
 #[derive(Clone)]
 struct LitSites {
     light: PlacedLight,
     light_samples: u32,
-    /// W/m2 by site.
-    irradiance: Arc<[Vec3]>,
+    /// By site.
+    part: Part,
 }
 
 impl KeptPicture {
@@ -78,38 +82,43 @@ impl KeptPicture {
         let mut next_asked = 0;
         let mut sum = vec![Vec3::ZERO; sites.len()];
         let bytes_of_one = size_of_val(sum.as_slice());
-        for light in &view.lights.sources {
-            let lit = match (found(light), &asked) {
-                (Some(lit), _) => lit.clone(),
-                (None, Some(asked)) if go_on().is_some() => {
-                    next_asked += 1;
-                    LitSites {
-                        light: light.clone(),
-                        light_samples: view.light_samples,
-                        irradiance: stages.time("light at pixels", || {
+        for (index, lights) in view.lights.sources.chunks(BLOCK).enumerate() {
+            let mut block = Vec::with_capacity(BLOCK);
+            for light in lights {
+                let lit = match (found(light), &asked) {
+                    (Some(lit), _) => lit.clone(),
+                    (None, Some(asked)) if go_on().is_some() => {
+                        next_asked += 1;
+                        self.computed += 1;
+                        let irradiance = stages.time("light at pixels", || {
                             asked.irradiance(light, next_asked - 1)
-                        }),
+                        });
+                        LitSites {
+                            light: light.clone(),
+                            light_samples: view.light_samples,
+                            part: Part {
+                                id: self.computed,
+                                irradiance,
+                            },
+                        }
                     }
+                    _ => {
+                        // What there is serves the next frame.
+                        self.lights.extend(kept);
+                        return None;
+                    }
+                };
+                block.push(lit.part.clone());
+                if (self.lights.len() + 1) * bytes_of_one <= KEPT_BYTES {
+                    self.lights.push(lit);
                 }
-                _ => {
-                    // What there is serves the next frame.
-                    self.lights.extend(kept);
-                    return None;
-                }
-            };
-            add(&mut sum, &lit.irradiance);
-            if (self.lights.len() + 1) * bytes_of_one <= KEPT_BYTES {
-                self.lights.push(lit);
             }
+            stages.time("light at pixels", || {
+                self.blocks.add(index, &block, &mut sum)
+            });
         }
         Some((sites, sum))
     }
-}
-
-/// Adds one light's irradiance to the sum of those before it.
-fn add(sum: &mut [Vec3], irradiance: &[Vec3]) {
-    let pairs = sum.iter_mut().zip(irradiance);
-    pairs.for_each(|(total, e)| *total += *e);
 }
 
 /// What is known of lights before their irradiance is computed: where one answer

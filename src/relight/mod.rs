@@ -27,6 +27,7 @@ mod seen;
 mod shade;
 mod sites;
 mod stages;
+mod sum;
 
 pub use basis_view::BasisFunctionError;
 pub use bounces::BounceError;
