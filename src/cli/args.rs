@@ -102,7 +102,7 @@ pub(super) struct Diff {
     /// Largest mean FLIP (the difference that an observer sees, 0 to 1) that
     /// passes [default: 0]. Alone, it is the only limit; beside one on channels
     /// or pixels, both must hold.
-    #[arg(long, value_name = "X", value_parser = parse_limit, allow_negative_numbers = true)]
+    #[arg(long, value_name = "X", value_parser = parse_flip, allow_negative_numbers = true)]
     pub(super) max_flip: Option<f64>,
     /// Grey picture of the same size: a pixel of level g may differ by g levels
     /// of 255, a white one is ignored.
@@ -316,6 +316,11 @@ fn parse_limit(text: &str) -> Result<f64, String> {
         .ok()
         .filter(|x: &f64| *x >= 0.0)
         .ok_or_else(|| "a limit is a number from 0".to_owned())
+}
+
+fn parse_flip(text: &str) -> Result<f64, String> {
+    let limit = parse_limit(text).ok().filter(|&limit| limit <= 1.0);
+    limit.ok_or_else(|| "a mean FLIP is a number from 0 to 1".to_owned())
 }
 
 fn parse_pixel_limit(text: &str) -> Result<PixelLimit, String> {

@@ -8,6 +8,7 @@ use relume::preview::PreviewError;
 use relume::{BakeError, JudgeError, OutputError, RenderError, SceneError};
 use thiserror::Error;
 
+use super::golden::printable;
 use super::signals;
 
 /// Why a command failed.
@@ -115,6 +116,8 @@ impl CliError {
             }
             cause = error.source();
         }
-        eprintln!("{text}");
+        for line in text.lines() {
+            eprintln!("{}", printable(line));
+        }
     }
 }

@@ -7,6 +7,7 @@ use relume::{Override, Progress, RunSettings, Scene, ThreadPool};
 
 use super::args::{Run, SceneArguments};
 use super::error::CliError;
+use super::golden::printable;
 use super::signals;
 
 /// A bar on a terminal, silence elsewhere; stops the job when a signal arrives.
@@ -107,11 +108,12 @@ pub(super) fn load_scene(arguments: &SceneArguments) -> Result<Scene, CliError> 
     Ok(scene)
 }
 
-/// Says warnings on standard error.
+/// Says warnings on standard error. Names in them come from whoever wrote the
+/// scene: they command neither the terminal nor a CI runner.
 #[allow(clippy::print_stderr, reason = "the one place where warnings are said")]
 pub(super) fn warn(warnings: Vec<String>) {
     for warning in warnings {
-        eprintln!("warning: {warning}");
+        eprintln!("warning: {}", printable(&warning));
     }
 }
 

@@ -34,7 +34,7 @@ pub(super) fn execute(arguments: &Check) -> Result<Report, CliError> {
     let written = write_report(&arguments.output, &checked, &without_scene, &mut json);
     let code = checked.iter().map(|it| exit_code(&it.verdict)).max();
     let report = Report {
-        text: text(&checked, arguments),
+        text: text(&checked, arguments, written.is_ok()),
         json,
         exit_code: code.unwrap_or(0),
     };
@@ -122,18 +122,19 @@ fn remove_older(folder: &Path, files: &[ReportFile]) -> Result<(), OutputError> 
 }
 
 /// A line a scene, and what to do.
-fn text(checked: &[Checked], arguments: &Check) -> String {
+fn text(checked: &[Checked], arguments: &Check, has_report: bool) -> String {
     let mut text: String = checked.iter().map(lines).collect();
     let failed: Vec<&Checked> = checked.iter().filter(|it| !it.passes()).collect();
     let verdict = match failed.len() {
         0 => "all pass".to_owned(),
         count => format!("{count} fail{}", if count == 1 { "s" } else { "" }),
     };
-    text.push_str(&format!(
-        "{}, {verdict}; report: {}",
-        counted(checked.len(), "scene"),
-        printable(&text_of(&arguments.output.join(PAGE)))
-    ));
+    let report = match has_report {
+        true => printable(&text_of(&arguments.output.join(PAGE))),
+        false => "not written".to_owned(),
+    };
+    let count = counted(checked.len(), "scene");
+    text.push_str(&format!("{count}, {verdict}; report: {report}"));
     let blessable = failed.iter().filter(|it| it.candidate.is_some());
     let scenes: Vec<String> = blessable.map(|it| quoted(it.scene.scene())).collect();
     if !scenes.is_empty() {

@@ -127,7 +127,7 @@ fn plain(text: &str) -> String {
 /// scenes. A command is what begins a line with `::`, blanks aside, or has `##[`
 /// anywhere (`ActionCommand.cs` of actions/runner); and control characters would
 /// begin a line. These become escapes as Rust and, nearly, TOML write them.
-pub(super) fn printable(text: &str) -> String {
+pub(in crate::cli) fn printable(text: &str) -> String {
     let mut printable = String::with_capacity(text.len());
     for (place, letter) in text.char_indices() {
         let (before, rest) = text.split_at(place);

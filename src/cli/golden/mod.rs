@@ -13,11 +13,11 @@ use relume::{Override, SceneError};
 
 use super::error::CliError;
 use super::report::Report;
-use super::run::{self, Bar, cache_folder, run_job};
+use super::run::{Bar, cache_folder, run_job, warn};
 use super::signals;
 pub(super) use arguments::Golden;
 use arguments::SuiteArguments;
-use github::printable;
+pub(super) use github::printable;
 
 pub(super) fn execute(arguments: &Golden) -> Result<Report, CliError> {
     match arguments {
@@ -88,11 +88,6 @@ fn exit_code(verdict: &Verdict) -> u8 {
         Verdict::Differs { .. } | Verdict::Missing | Verdict::Faulty(_) => 1,
         Verdict::Golden(error) | Verdict::Scene(error) => 2 + u8::from(error.is_io()),
     }
-}
-
-/// Says warnings, of which each stays one line.
-fn warn(warnings: Vec<String>) {
-    run::warn(warnings.iter().map(|it| printable(it)).collect());
 }
 
 fn text_of(path: &Path) -> String {
