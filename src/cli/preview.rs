@@ -53,7 +53,8 @@ fn scripted(
     Ok(Report {
         json: object(&done),
         text: text(&done),
-        exit_code: 0,
+        // What failed is named; a script's runner sees it too.
+        exit_code: if done.error.is_some() { 3 } else { 0 },
     })
 }
 

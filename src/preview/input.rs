@@ -210,6 +210,11 @@ fn code(name: &str) -> Result<Code, String> {
 }
 
 impl Input {
+    /// Whether a button of the mouse is let go.
+    pub(crate) fn is_release(&self) -> bool {
+        matches!(self, Self::Mouse(mouse) if matches!(mouse.action, Action::Release(_)))
+    }
+
     /// What an event of the terminal means; `None` for what nobody did on purpose,
     /// such as a key that was let go.
     pub(crate) fn of_terminal(event: &Event) -> Option<Self> {

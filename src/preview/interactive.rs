@@ -29,8 +29,8 @@ struct Session<'a> {
 /// A scene that cannot be read, no terminal, or a system that starts no threads.
 /// The terminal is then as it was.
 pub fn run_in_terminal(settings: &PreviewSettings) -> Result<u8, PreviewError> {
-    let (bytes, scene) = load(&settings.scene, &settings.overrides);
-    let mut scene = *scene?;
+    let loaded = load(&settings.scene, &settings.overrides);
+    let mut scene = *loaded.scene?;
     let warnings = std::mem::take(&mut scene.warnings);
     let (queue, messages) = channel();
     let worker = Worker::start(&settings.preparation, queue.clone())?;
@@ -48,10 +48,10 @@ pub fn run_in_terminal(settings: &PreviewSettings) -> Result<u8, PreviewError> {
     let file = SceneFile {
         path: settings.scene.clone(),
         overrides: settings.overrides.clone(),
-        bytes,
+        bytes: loaded.bytes,
     };
     let cell_px = screen.abilities().protocol.and(screen.cell_px());
-    let (mut program, effects) = Program::start(file, scene, screen.size(), cell_px);
+    let (mut program, effects) = Program::start(file, scene, loaded.at, (screen.size(), cell_px));
     if let Some(warning) = warnings.first() {
         program.status.say(warning.clone());
     }
@@ -121,16 +121,16 @@ impl Session<'_> {
             match effect {
                 Effect::Show(number, wish) => self.worker.show(number, *wish),
                 Effect::Send(errand) => self.worker.send(errand),
-                Effect::Prepare(number, scene) => {
+                Effect::Prepare(wanted, scene) => {
                     let preparation = self.settings.preparation.clone();
                     let queue = self.queue.clone();
                     // The one before is stopped when it is dropped.
-                    self.preparing = Some(Preparing::start(number, *scene, preparation, queue));
+                    self.preparing = Some(Preparing::start(wanted, *scene, preparation, queue));
                 }
-                Effect::Load => self.load(),
-                Effect::Watch(files) => match &self.watch {
-                    Some(watch) => watch.look_at(files),
-                    None => self.watch = Some(Watch::start(files, self.queue.clone())),
+                Effect::Load(number) => self.load(number),
+                Effect::Watch(watched) => match &self.watch {
+                    Some(watch) => watch.look_at(watched),
+                    None => self.watch = Some(Watch::start(watched, self.queue.clone())),
                 },
                 Effect::Redraw => self.screen.forget(),
                 Effect::Suspend => self.suspend(program),
@@ -143,16 +143,18 @@ impl Session<'_> {
     }
 
     /// Reads the scene again, in a thread of its own.
-    fn load(&self) {
+    fn load(&self, number: u64) {
         let (path, overrides) = (self.settings.scene.clone(), self.settings.overrides.clone());
         let queue = self.queue.clone();
         let thread = std::thread::Builder::new().name("load".to_owned());
         let started = thread.spawn(move || {
-            let (bytes, scene) = load(&path, &overrides);
-            let _ = queue.send(Message::Loaded { bytes, scene });
+            let loaded = load(&path, &overrides);
+            let _ = queue.send(Message::Loaded { number, loaded });
         });
-        // Without the thread the last scene stays.
-        drop(started);
+        if let Err(error) = started {
+            let error = format!("cannot read the scene again: {error}");
+            let _ = self.queue.send(Message::NotDrawn(error));
+        }
     }
 
     fn suspend(&self, program: &mut Program) {

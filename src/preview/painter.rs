@@ -145,7 +145,7 @@ impl Painter {
             stages: frame.stages,
             clamped_pixels: frame.clamped_pixels,
             lacks_bake: self.renderer.needs_bake(&settings),
-            seen: Arc::new(self.renderer.seen(settings.effort)),
+            seen: Arc::new(self.renderer.seen()),
         }))
     }
 
@@ -160,6 +160,12 @@ impl Painter {
             lights.clone_from(&wish.lights);
             materials.clone_from(&wish.materials);
         });
+    }
+
+    /// Whether a wish needs a bake that there is not yet.
+    pub(crate) fn lacks_bake(&mut self, wish: &Wish) -> bool {
+        self.light(wish);
+        self.renderer.needs_bake(&wish.frame)
     }
 
     /// A frame of a wish at another size, as `render` draws it.

@@ -31,7 +31,17 @@ pub struct Preparation {
     pub level: Level,
 }
 
-/// A scene on its way. What is sent bears its number.
+/// What is wanted of a scene.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Wanted {
+    /// What is sent bears it.
+    pub(crate) number: u64,
+    /// A bake, also where the scene file asks for nothing that needs one: the
+    /// scene is shown already, and what it shows now needs it.
+    pub(crate) bake: bool,
+}
+
+/// A scene on its way.
 pub(crate) struct Preparing {
     stop: Arc<AtomicBool>,
     thread: Option<JoinHandle<()>>,
@@ -40,23 +50,28 @@ pub(crate) struct Preparing {
 impl Preparing {
     /// Begins in a thread of its own.
     pub(crate) fn start(
-        number: u64,
+        wanted: Wanted,
         scene: Scene,
         preparation: Preparation,
         queue: Sender<Message>,
     ) -> Self {
         let stop = Arc::new(AtomicBool::new(false));
-        let progress = BakeProgress::new(queue.clone(), stop.clone());
         let job = Job {
-            number,
+            progress: BakeProgress::new(wanted.number, queue.clone(), stop.clone()),
+            wanted,
             preparation,
-            queue,
-            progress,
+            queue: queue.clone(),
         };
         let thread = std::thread::Builder::new().name("prepare".to_owned());
+        let thread = thread.spawn(move || job.run(scene)).map_err(|error| {
+            let _ = queue.send(Message::NotPrepared {
+                number: wanted.number,
+                error: format!("cannot start a thread: {error}"),
+            });
+        });
         Self {
             stop,
-            thread: thread.spawn(move || job.run(scene)).ok(),
+            thread: thread.ok(),
         }
     }
 
@@ -77,7 +92,7 @@ impl Drop for Preparing {
 }
 
 struct Job {
-    number: u64,
+    wanted: Wanted,
     preparation: Preparation,
     queue: Sender<Message>,
     progress: BakeProgress,
@@ -98,13 +113,19 @@ impl Job {
             return;
         }
         let settings = FrameSettings::of_scene(&scene);
-        if first.load_bake() || !first.needs_bake(&settings) {
+        let is_ready = first.load_bake() || !(self.wanted.bake || first.needs_bake(&settings));
+        if is_ready {
             return self.send(first);
         }
         // The lights may change while the bake is made, so the scene is shown
         // meanwhile without it.
-        self.send(first);
-        let mut baked = self.renderer(scene);
+        let mut baked = match self.wanted.bake {
+            true => first,
+            false => {
+                self.send(first);
+                self.renderer(scene)
+            }
+        };
         let run = RunSettings {
             level: self.preparation.level,
             progress: &self.progress,
@@ -128,14 +149,14 @@ impl Job {
     fn send(&self, renderer: Renderer) {
         // Nobody listens once the session has ended.
         let _ = self.queue.send(Message::Prepared {
-            number: self.number,
+            number: self.wanted.number,
             renderer: Box::new(renderer),
         });
     }
 
     fn fail(&self, error: String) {
         let _ = self.queue.send(Message::NotPrepared {
-            number: self.number,
+            number: self.wanted.number,
             error,
         });
     }
@@ -143,6 +164,7 @@ impl Job {
 
 /// Progress as messages.
 struct BakeProgress {
+    number: u64,
     queue: Mutex<Sender<Message>>,
     stop: Arc<AtomicBool>,
     stage: Mutex<(&'static str, u64, Instant)>,
@@ -150,8 +172,9 @@ struct BakeProgress {
 }
 
 impl BakeProgress {
-    fn new(queue: Sender<Message>, stop: Arc<AtomicBool>) -> Self {
+    fn new(number: u64, queue: Sender<Message>, stop: Arc<AtomicBool>) -> Self {
         Self {
+            number,
             queue: Mutex::new(queue),
             stop,
             stage: Mutex::new(("", 0, Instant::now())),
@@ -161,7 +184,11 @@ impl BakeProgress {
 
     fn report(&self, stage: &'static str, share: f64) {
         let queue = self.queue.lock().unwrap_or_else(PoisonError::into_inner);
-        let _ = queue.send(Message::Baking { stage, share });
+        let _ = queue.send(Message::Baking {
+            number: self.number,
+            stage,
+            share,
+        });
     }
 }
 

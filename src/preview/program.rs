@@ -4,6 +4,7 @@
 //! screen. A terminal and a script drive it in the same way.
 
 mod files;
+mod pictures;
 mod prompt;
 #[cfg(test)]
 mod tests;
@@ -11,24 +12,24 @@ mod tests;
 pub(crate) use files::load;
 
 use std::path::PathBuf;
-use std::time::Duration;
+use std::time::{Duration, SystemTime};
 
 use glam::DVec2;
 
 use super::command::Request;
-use super::hands::{Hands, Outcome, Seen};
+use super::hands::{Hands, Outcome};
 use super::input::Input;
 use super::message::Message;
-use super::painter::{Drawn, Sharpness, Wish};
+use super::painter::{Drawn, Wish};
 use super::panel;
+use super::prepare::Wanted;
 use super::screen::Notice;
 use super::status::Status;
-use super::view::View;
+use super::watch::Watched;
 use super::worker::Errand;
-use crate::frame::EncodedImage;
-use crate::output::terminal::{Area, Cells, PixelPicture};
-use crate::relight::{Component, Effort, FrameSettings};
+use crate::relight::{Component, Renderer};
 use crate::scene::{Override, Scene};
+use pictures::seen_at;
 use prompt::Prompt;
 
 /// Exit code after Ctrl-C.
@@ -40,12 +41,12 @@ pub(crate) enum Effect {
     Show(u64, Box<Wish>),
     /// Something of the drawing thread.
     Send(Errand),
-    /// A scene made ready, under that number.
-    Prepare(u64, Box<Scene>),
-    /// The scene file and all it names read again.
-    Load,
-    /// These files watched from now on, as they are now.
-    Watch(Vec<PathBuf>),
+    /// A scene made ready.
+    Prepare(Wanted, Box<Scene>),
+    /// The scene file and all it names read again, for the how manieth time.
+    Load(u64),
+    /// These files watched from now on.
+    Watch(Watched),
     /// The screen drawn whole.
     Redraw,
     /// The terminal given back until the program is continued.
@@ -69,16 +70,30 @@ pub(crate) struct SceneFile {
 /// The state of the program.
 pub(crate) struct Program {
     file: SceneFile,
-    /// The scene as the file has it.
+    /// The scene as the file has it, and its longest side, scene units.
     scene: Scene,
+    extent: f64,
     hands: Hands,
     /// Columns and rows of the screen.
     size: (u16, u16),
     /// Pixels of a cell, where the terminal shows pictures.
     cell_px: Option<(u16, u16)>,
-    /// Number of the last wish, and of the last scene that was sent to be prepared.
+    /// What was wished for last, and its number.
+    wished: Option<Wish>,
     wishes: u64,
+    /// Number of the last scene that was sent to be prepared.
     preparations: u64,
+    bake: BakeState,
+    /// Number of the last time the files were read.
+    loads: u64,
+    /// Whether that may cost edits.
+    load_is_answered: bool,
+    /// Whether files have changed while a question was open.
+    files_wait: bool,
+    /// Pictures that are on their way into files.
+    writing: Vec<PathBuf>,
+    /// What the program ends after: it is asked to.
+    quits_after: Option<QuitsAfter>,
     /// Number of the oldest wish whose pictures may be shown. While something
     /// moves there is a newer wish before a picture of the last one has come: it
     /// is shown all the same.
@@ -91,22 +106,48 @@ pub(crate) struct Program {
     pub(crate) status: Status,
 }
 
+/// Where the bake is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum BakeState {
+    /// A scene is being prepared, with its bake if it needs one.
+    OnItsWay,
+    /// Nothing is being made.
+    Settled,
+    /// It could not be made, and is not tried again.
+    Failed,
+}
+
+/// What comes before the end of the program.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum QuitsAfter {
+    Saving,
+    Writing,
+}
+
 impl Program {
     /// The program on a scene that was read from `file`, and what it begins with.
     pub(crate) fn start(
         file: SceneFile,
         scene: Scene,
-        size: (u16, u16),
-        cell_px: Option<(u16, u16)>,
+        loaded_at: SystemTime,
+        (size, cell_px): ((u16, u16), Option<(u16, u16)>),
     ) -> (Self, Vec<Effect>) {
         let mut program = Self {
             hands: Hands::new(&scene, Component::Global),
             file,
+            extent: scene.placement().extent,
             scene,
             size,
             cell_px,
+            wished: None,
             wishes: 0,
             preparations: 0,
+            bake: BakeState::Settled,
+            loads: 0,
+            load_is_answered: false,
+            files_wait: false,
+            writing: Vec::new(),
+            quits_after: None,
             oldest: 0,
             drawn: None,
             fine: None,
@@ -115,11 +156,11 @@ impl Program {
             status: Status::default(),
         };
         program.status.say("? shows the keys");
-        let effects = vec![
-            Effect::Watch(program.watched()),
-            program.prepare(),
-            program.show(),
+        let mut effects = vec![
+            Effect::Watch(program.watched(loaded_at)),
+            program.prepare(false),
         ];
+        effects.extend(program.show());
         (program, effects)
     }
 
@@ -128,38 +169,48 @@ impl Program {
         match message {
             Message::Input(input) => self.input(input, now),
             Message::Drawn { number, drawn } => {
-                if number >= self.oldest {
-                    self.look(number, *drawn, now);
+                if number < self.oldest {
+                    return Vec::new();
                 }
-                Vec::new()
+                self.look(number, *drawn, now)
             }
             Message::NotDrawn(error) => self.fails(error),
-            Message::Wrote { path, written } => {
-                self.status.wrote(&path, written);
+            Message::Wrote { path, written } => self.wrote(&path, written),
+            Message::Prepared { number, .. }
+            | Message::NotPrepared { number, .. }
+            | Message::Baking { number, .. }
+                if number != self.preparations =>
+            {
                 Vec::new()
             }
-            Message::Prepared { number, renderer } => {
-                if number != self.preparations {
-                    return Vec::new();
-                }
-                self.status.prepared(&renderer);
-                vec![Effect::Send(Errand::Adopt(renderer)), self.show_anew()]
-            }
-            Message::NotPrepared { number, error } => {
-                if number != self.preparations {
-                    return Vec::new();
-                }
+            Message::Prepared { renderer, .. } => self.prepared(renderer),
+            Message::NotPrepared { error, .. } => {
+                self.bake = BakeState::Failed;
                 self.status.baking = None;
                 self.fails(error)
             }
-            Message::Baking { stage, share } => {
+            Message::Baking { stage, share, .. } => {
                 self.status.baking = Some((stage, share));
                 Vec::new()
             }
             Message::FilesChanged => self.files_changed(),
-            Message::Loaded { bytes, scene } => self.loaded(bytes, scene),
+            Message::Loaded { number, loaded } if number == self.loads => self.loaded(loaded),
+            Message::Loaded { .. } => Vec::new(),
             Message::Terminal(notice) => self.notice(notice),
         }
+    }
+
+    /// There is a renderer, whose bake may follow.
+    fn prepared(&mut self, renderer: Box<Renderer>) -> Vec<Effect> {
+        self.status.prepared(&renderer);
+        let awaits_bake = self.status.baking.is_some();
+        self.bake = match awaits_bake {
+            true => BakeState::OnItsWay,
+            false => BakeState::Settled,
+        };
+        // The drawing thread begins its wish anew with another renderer.
+        self.oldest = self.wishes;
+        vec![Effect::Send(Errand::Adopt(renderer))]
     }
 
     fn notice(&mut self, notice: Notice) -> Vec<Effect> {
@@ -177,15 +228,15 @@ impl Program {
         if let Input::Resize { columns, rows } = input {
             return self.resize((columns, rows), now);
         }
-        if let Some(prompt) = self.prompt.take() {
-            return self.answer(prompt, input);
-        }
-        if let Some(first) = self.help {
-            let key = match input {
-                Input::Key(key) => key,
-                Input::Mouse(_) | Input::Resize { .. } => return Vec::new(),
-            };
-            self.help = panel::scrolled(first, key, self.size);
+        if let Input::Key(key) = input {
+            if let Some(prompt) = self.prompt.take() {
+                return self.answer(prompt, key);
+            }
+            if let Some(first) = self.help {
+                self.help = panel::scrolled(first, key, self.size);
+                return Vec::new();
+            }
+        } else if self.help.is_some() && !input.is_release() {
             return Vec::new();
         }
         let view = self.view();
@@ -205,7 +256,9 @@ impl Program {
         self.size = size;
         // Another number of lines may be the last page of the help.
         self.help = self.help.map(|first| panel::clamped(first, size));
-        vec![Effect::Redraw, self.show_anew()]
+        let mut effects = vec![Effect::Redraw];
+        effects.extend(self.show_anew());
+        effects
     }
 
     /// What follows from what the hands did.
@@ -217,7 +270,7 @@ impl Program {
         let changed = outcome.changed;
         let redrawn = changed.lights || changed.albedos || changed.camera || changed.render;
         if redrawn || changed.component {
-            effects.push(self.show());
+            effects.extend(self.show());
         }
         if let Some(request) = outcome.request {
             effects.extend(self.request(request));
@@ -240,163 +293,26 @@ impl Program {
                 self.prompt = Some(Prompt::Quit);
                 Vec::new()
             }
-            Request::Quit => vec![Effect::Quit(0)],
+            Request::Quit => self.quit(),
         }
+    }
+
+    /// Ends the program, once what is being written is written.
+    fn quit(&mut self) -> Vec<Effect> {
+        if let Some(path) = self.writing.first() {
+            let waits = format!(
+                "quits once {} is written; Ctrl-C does at once",
+                path.display()
+            );
+            self.status.say(waits);
+            self.quits_after = Some(QuitsAfter::Writing);
+            return Vec::new();
+        }
+        vec![Effect::Quit(0)]
     }
 
     fn fails(&mut self, error: String) -> Vec<Effect> {
         self.status.fail(error);
         Vec::new()
     }
-
-    /// A picture has come.
-    fn look(&mut self, number: u64, drawn: Drawn, now: Duration) {
-        self.oldest = number;
-        self.status.drew(&drawn, now);
-        if drawn.sharpness == Sharpness::Fine {
-            if number == self.wishes {
-                self.fine = Some(drawn);
-            }
-        } else {
-            self.fine = None;
-            self.drawn = Some(drawn);
-        }
-    }
-
-    /// The same, and none of what was wished for before: of another size or scene.
-    fn show_anew(&mut self) -> Effect {
-        let effect = self.show();
-        self.oldest = self.wishes;
-        effect
-    }
-
-    /// Pictures of the scene as it is now.
-    fn show(&mut self) -> Effect {
-        self.wishes += 1;
-        self.fine = None;
-        Effect::Show(self.wishes, Box::new(self.wish()))
-    }
-
-    fn prepare(&mut self) -> Effect {
-        self.preparations += 1;
-        self.status.baking = Some(("reading the mesh", 0.0));
-        Effect::Prepare(self.preparations, Box::new(self.scene.clone()))
-    }
-
-    /// What is to be seen.
-    pub(crate) fn wish(&self) -> Wish {
-        let document = self.hands.document();
-        let mut materials = self.scene.materials.clone();
-        for (material, albedo) in materials.iter_mut().zip(&document.albedos) {
-            material.albedo = *albedo;
-        }
-        let view = self.view();
-        let mut camera = document.camera;
-        camera.size = view.size_px;
-        let fine_size = self.cell_px.map(|(width, height)| {
-            [(view.columns, width), (view.rows, height)]
-                .map(|(cells, px)| u32::from(cells) * u32::from(px))
-        });
-        Wish {
-            lights: document.shown_lights(),
-            materials,
-            frame: FrameSettings {
-                camera,
-                bounces: document.render.bounces,
-                light_samples: document.render.light_samples,
-                component: document.component,
-                effort: Effort::Full,
-            },
-            exposure: document.render.exposure,
-            tone: document.render.tone,
-            fine_size,
-        }
-    }
-
-    /// Where the picture is: above the status line, which goes first where there
-    /// is hardly any room.
-    pub(crate) fn view(&self) -> View {
-        let (columns, rows) = self.size;
-        let picture_rows = if rows > 1 { rows - 1 } else { rows };
-        let side = |cells: u16, px: u32| u32::from(cells.max(1)) * px;
-        View {
-            column: 0,
-            row: 0,
-            columns,
-            rows: picture_rows,
-            size_px: [side(columns, 1), side(picture_rows, 2)],
-            extent: self.scene.placement().extent,
-        }
-    }
-
-    /// The screen.
-    pub(crate) fn cells(&self) -> Cells {
-        let (columns, rows) = self.size;
-        let mut cells = Cells::new(columns, rows);
-        let view = self.view();
-        match self.marked() {
-            Some(marked) => cells.picture(view.row, &marked),
-            None => panel::waiting(&mut cells, &self.status),
-        }
-        if let Some(first) = self.help {
-            panel::help(&mut cells, first);
-        }
-        let bottom = match &self.prompt {
-            Some(prompt) => panel::Bottom::Question(prompt.text()),
-            None if self.help.is_some() => panel::Bottom::Question(panel::HELP_KEYS),
-            None => panel::Bottom::Status {
-                status: &self.status,
-                selected: self.hands.selected_name(),
-                is_unsaved: self.hands.is_unsaved(),
-            },
-        };
-        panel::bottom(&mut cells, &bottom);
-        cells
-    }
-
-    /// The picture in pixels, once the scene rests and nothing lies over it.
-    pub(crate) fn pixel_picture(&self) -> Option<PixelPicture> {
-        let fine = self.fine.as_ref().filter(|_| self.help.is_none())?;
-        let view = self.view();
-        let mut fine_view = view;
-        fine_view.size_px = [fine.levels.width(), fine.levels.height()];
-        Some(PixelPicture {
-            levels: self.hands.with_marks(&fine.levels, &fine_view),
-            area: Area {
-                column: view.column,
-                row: view.row,
-                columns: view.columns,
-                rows: view.rows,
-            },
-        })
-    }
-
-    /// The last picture in cells, with the marks of lights.
-    pub(crate) fn marked(&self) -> Option<EncodedImage> {
-        let drawn = self.drawn.as_ref()?;
-        Some(self.hands.with_marks(&drawn.levels, &self.view()))
-    }
-
-    /// Whether there is something to save.
-    pub(crate) fn is_unsaved(&self) -> bool {
-        self.hands.is_unsaved()
-    }
-}
-
-/// What is seen at pixel coordinates of the view.
-fn seen_at(drawn: &Drawn, view: &View, camera: &crate::scene::Camera, px: DVec2) -> Option<Seen> {
-    let [width, height] = drawn.seen.size;
-    let at = |place: f64, of: u32, count: u32| {
-        let scaled = place / f64::from(of) * f64::from(count);
-        (scaled >= 0.0 && scaled < f64::from(count)).then_some(scaled as usize)
-    };
-    let x = at(px.x, view.size_px[0], width)?;
-    let y = at(px.y, view.size_px[1], height)?;
-    let pixel = y * width as usize + x;
-    let depth = f64::from(*drawn.seen.depths.get(pixel)?);
-    let material = drawn.seen.materials.get(pixel).copied().flatten()?;
-    Some(Seen {
-        material: material as usize,
-        point: view.eye(camera).point_at(px, depth),
-    })
 }

@@ -7,6 +7,7 @@ use std::time::{Duration, Instant};
 
 use super::message::Message;
 use super::painter::{Drawn, Painter, Sharpness, Wish};
+use super::prepare::Wanted;
 use super::program::{Effect, Program, SceneFile, load};
 use super::script::{ScriptEvent, Scripted, parse};
 use super::shot::write_shot;
@@ -64,13 +65,13 @@ pub fn run_script(
         source,
     })?;
     let events = parse(&text, &script.display().to_string())?;
-    let (bytes, scene) = load(&settings.scene, &settings.overrides);
+    let loaded = load(&settings.scene, &settings.overrides);
     let file = SceneFile {
         path: settings.scene.clone(),
         overrides: settings.overrides.clone(),
-        bytes,
+        bytes: loaded.bytes,
     };
-    let (program, effects) = Program::start(file, *scene?, SIZE, None);
+    let (program, effects) = Program::start(file, *loaded.scene?, loaded.at, (SIZE, None));
     let mut runner = Runner {
         settings,
         run,
@@ -208,10 +209,10 @@ impl Runner<'_> {
             match effect {
                 Effect::Show(number, wish) => self.wish = Some((number, *wish)),
                 Effect::Send(errand) => self.send(errand)?,
-                Effect::Prepare(number, scene) => self.prepare(number, *scene)?,
-                Effect::Load => {
-                    let (bytes, scene) = load(&self.settings.scene, &self.settings.overrides);
-                    self.tell(Message::Loaded { bytes, scene })?;
+                Effect::Prepare(wanted, scene) => self.prepare(wanted, *scene)?,
+                Effect::Load(number) => {
+                    let loaded = load(&self.settings.scene, &self.settings.overrides);
+                    self.tell(Message::Loaded { number, loaded })?;
                 }
                 Effect::Redraw => self.encoder.forget(),
                 Effect::Quit(_) => self.is_over = true,
@@ -222,16 +223,18 @@ impl Runner<'_> {
         Ok(())
     }
 
-    fn prepare(&mut self, number: u64, scene: Scene) -> Result<(), PreviewError> {
+    fn prepare(&mut self, wanted: Wanted, scene: Scene) -> Result<(), PreviewError> {
         let preparation = &self.settings.preparation;
         let folder = preparation.cache_folder.as_deref();
         let settings = FrameSettings::of_scene(&scene);
         let mut renderer = Renderer::with_scheme(scene, folder, preparation.scheme);
-        if renderer.needs_bake(&settings) {
+        if wanted.bake || renderer.needs_bake(&settings) {
             renderer.bake(self.run)?;
         }
-        let renderer = Box::new(renderer);
-        self.tell(Message::Prepared { number, renderer })
+        self.tell(Message::Prepared {
+            number: wanted.number,
+            renderer: Box::new(renderer),
+        })
     }
 
     fn send(&mut self, errand: Errand) -> Result<(), PreviewError> {

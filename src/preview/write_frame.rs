@@ -16,6 +16,9 @@ pub(crate) fn write_frame(
     path: &Path,
     run: &RunSettings,
 ) -> Result<String, String> {
+    if painter.lacks_bake(wish) {
+        return Err("the bake is not ready, and its light would be missing".to_owned());
+    }
     let frame = painter.whole_frame(wish, size, run);
     let frame = frame.map_err(|error| error.to_string())?;
     let levels = frame.develop(wish.exposure, wish.tone);

@@ -25,9 +25,11 @@ const SAMPLES_PER_CENTRE: u32 = 4;
 const LIGHT_SEED: u32 = 0x9e12;
 /// Sites that one task takes.
 const SITES_A_TASK: usize = 256;
-/// Most bytes of lights' irradiance that are kept between frames: some 90 lights
-/// at 1280 x 720. Lights beyond are computed in every frame.
-const KEPT_BYTES: usize = 1 << 30;
+/// Most bytes of lights' irradiance that are kept of a picture: some 40 lights at
+/// 1280 x 720. Lights beyond are computed in every frame.
+const KEPT_BYTES: usize = 1 << 29;
+/// Pictures that are kept: a draft, a full frame, and one of another size.
+const MOST_PICTURES: usize = 3;
 
 /// The sites of the last picture, and each light's irradiance there. What did not
 /// change is not computed again; the sum is formed in the lights' order.
@@ -49,11 +51,6 @@ struct LitSites {
 }
 
 impl KeptPicture {
-    /// What the last picture shows of the mesh.
-    pub(super) fn sites(&self) -> Option<&Sites> {
-        self.sites.as_ref()
-    }
-
     /// The view's sites and the sum of all lights there, W/m2 (empty where the
     /// component has no use for it); `None` if it was stopped, which is asked
     /// between stages and lights.
@@ -103,8 +100,7 @@ impl KeptPicture {
                         }
                     }
                     _ => {
-                        // What there is serves the next frame.
-                        self.lights.extend(kept);
+                        keep_of_last(&mut self.lights, kept, view);
                         return None;
                     }
                 };
@@ -118,6 +114,48 @@ impl KeptPicture {
             });
         }
         Some((sites, sum))
+    }
+}
+
+/// Puts back what a frame that was stopped found ready and serves the next one.
+fn keep_of_last(lights: &mut Vec<LitSites>, last: Vec<LitSites>, view: &View) {
+    for lit in last {
+        let is_there = lights.iter().any(|it| it.part.id == lit.part.id);
+        if !is_there && view.lights.sources.contains(&lit.light) {
+            lights.push(lit);
+        }
+    }
+}
+
+/// The last pictures: drafts, full frames and frames of another size follow one
+/// another while lights are moved, and none of them should cost another one what
+/// it has.
+#[derive(Default)]
+pub(crate) struct KeptPictures {
+    /// The one that was drawn last is the last.
+    pictures: Vec<KeptPicture>,
+}
+
+impl KeptPictures {
+    /// The picture that serves a view, or one for it.
+    pub(super) fn of(&mut self, view: &View) -> &mut KeptPicture {
+        let serves = |it: &KeptPicture| it.sites.as_ref().is_some_and(|sites| sites.serve(view));
+        let picture = match self.pictures.iter().position(serves) {
+            Some(position) => self.pictures.remove(position),
+            None => {
+                if self.pictures.len() == MOST_PICTURES {
+                    self.pictures.remove(0);
+                }
+                KeptPicture::default()
+            }
+        };
+        self.pictures.push(picture);
+        self.pictures.last_mut().expect("it was pushed")
+    }
+
+    /// The sites of the picture that was drawn last.
+    pub(super) fn last_sites(&self) -> Option<&Sites> {
+        self.pictures.last()?.sites.as_ref()
     }
 }
 

@@ -1,27 +1,27 @@
 //! A scene that is ready to be lit and drawn, again and again.
 
+mod frames;
+
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use glam::Vec3;
 use thiserror::Error;
 
-use super::basis_view::{BasisFunctionError, BasisView};
-use super::bounces::{BounceError, Transport};
+use super::basis_view::BasisFunctionError;
+use super::bounces::BounceError;
 use super::colours::VertexColours;
-use super::component::Component;
-use super::frame::{Effort, Frame, FrameSettings};
-use super::kept::{KeptDirect, KeptLights, OnVertices};
-use super::lit_sites::KeptPicture;
+use super::frame::FrameSettings;
+use super::kept::{KeptDirect, KeptLights};
+use super::lit_sites::KeptPictures;
 use super::outlook::{Outlook, SceneContents};
 use super::seen::SeenSurfaces;
-use super::shade::{View, draw};
 use super::stages::Stages;
 use crate::bake::{
     self, Bake, BakeError, BakeForecast, BakeSettings, BakeStats, CacheOutcome, RunSettings,
     Scheme, escaped_share_of_fronts, forecast, load_or_bake, load_stored,
 };
-use crate::scene::{Bounces, Light, LightKind, PlacedLights, RenderKeys, Scene};
+use crate::scene::{Bounces, Light, LightKind, Scene};
 use crate::surface::{Detail, Surface};
 
 /// Why there is no frame.
@@ -104,8 +104,7 @@ pub struct Renderer {
     placed: KeptLights,
     kept: KeptDirect,
     bounced: Option<Bounced>,
-    /// Drafts and full frames, which follow one another while lights are moved.
-    pictures: [KeptPicture; 2],
+    pictures: KeptPictures,
     colours: VertexColours,
     warnings: Vec<String>,
     stages: Stages,
@@ -135,7 +134,7 @@ impl Renderer {
             placed: KeptLights::default(),
             kept: KeptDirect::default(),
             bounced: None,
-            pictures: Default::default(),
+            pictures: KeptPictures::default(),
             colours: VertexColours::default(),
             warnings,
             stages,
@@ -218,10 +217,9 @@ impl Renderer {
         self.baked.is_some()
     }
 
-    /// What the last frame of such an effort shows of the mesh; nothing before the
-    /// first.
-    pub fn seen(&self, effort: Effort) -> SeenSurfaces {
-        let sites = self.pictures[effort as usize].sites();
+    /// What the last frame shows of the mesh; nothing before the first.
+    pub fn seen(&self) -> SeenSurfaces {
+        let sites = self.pictures.last_sites();
         sites.map_or_else(SeenSurfaces::default, |sites| {
             SeenSurfaces::of(sites, &self.surface)
         })
@@ -275,165 +273,6 @@ impl Renderer {
     pub(crate) fn transfer(&self) -> (&Surface, Option<&Bake>) {
         (&self.surface, self.baked.as_ref().map(|baked| &baked.bake))
     }
-
-    /// Draws a frame; bakes first where the frame needs it.
-    ///
-    /// # Errors
-    /// A bake that failed or was stopped, a function of the basis that is none,
-    /// bounces without a limit, a frame that was stopped.
-    pub fn frame(
-        &mut self,
-        settings: &FrameSettings,
-        run: &RunSettings,
-    ) -> Result<Frame, RenderError> {
-        if self.needs_bake(settings) {
-            self.bake(run)?;
-        }
-        self.frame_so_far(settings, run)
-    }
-
-    /// The same with what there is: without a bake, the light that it would bring
-    /// is left out, bounced light and the sky's.
-    ///
-    /// # Errors
-    /// As [`Self::frame`], but for those of a bake.
-    pub fn frame_so_far(
-        &mut self,
-        settings: &FrameSettings,
-        run: &RunSettings,
-    ) -> Result<Frame, RenderError> {
-        let mut stages = Stages::default();
-        let lights = stages.time("lights", || {
-            self.placed.update(&self.scene, &self.surface.placement)
-        });
-        let at_vertices = self.light_at_vertices(settings, &lights, run, &mut stages)?;
-        let view = View {
-            surface: &self.surface,
-            level: run.level,
-            camera: settings.camera.place(&self.surface.placement),
-            lights: &lights,
-            scene: &self.scene,
-            light_samples: settings
-                .light_samples
-                .clamp(1, RenderKeys::MOST_LIGHT_SAMPLES),
-            sky: &at_vertices.sky,
-            indirect: &at_vertices.indirect,
-            approximated: &at_vertices.approximated,
-            basis: at_vertices.basis.as_ref(),
-            component: settings.component,
-            effort: settings.effort,
-        };
-        let kept = &mut self.pictures[settings.effort as usize];
-        let picture = draw(&view, kept, &mut stages, run.progress).ok_or(RenderError::Cancelled)?;
-        Ok(Frame {
-            component: settings.component,
-            image: picture.image,
-            clamped_pixels: picture.clamped_pixels,
-            computed_lights: at_vertices.computed_lights,
-            stages,
-        })
-    }
-
-    /// What a frame needs of the vertices and the bake, as far as there is one.
-    fn light_at_vertices(
-        &mut self,
-        settings: &FrameSettings,
-        lights: &PlacedLights,
-        run: &RunSettings,
-        stages: &mut Stages,
-    ) -> Result<AtVertices, RenderError> {
-        let mut found = AtVertices::default();
-        let Some(baked) = &self.baked else {
-            return Ok(found);
-        };
-        if settings.component.needs_basis() {
-            found.basis = BasisView::of(baked.bake.basis(), settings.component)?;
-        }
-        if settings.needs_direct_at_vertices() || settings.needs_sky(lights) {
-            let (surface, kept) = (&self.surface, &mut self.kept);
-            let sky = stages.time("sky", || {
-                kept.sky(surface, &baked.bake, run.level, &lights.skies)
-            });
-            if settings.needs_sky(lights) {
-                found.sky = sky.to_vec();
-            }
-        }
-        if settings.needs_direct_at_vertices() {
-            let job = OnVertices {
-                surface: &self.surface,
-                level: run.level,
-                effort: settings.effort,
-                progress: run.progress,
-            };
-            let kept = &mut self.kept;
-            let computed = stages.time("direct at vertices", || kept.update(&job, lights));
-            found.computed_lights = computed.ok_or(RenderError::Cancelled)?;
-            let (scene, surface, colours) = (&self.scene, &self.surface, &mut self.colours);
-            stages.time("colours at vertices", || colours.update(scene, surface));
-        }
-        if settings.component == Component::ApproximatedDirect {
-            found.approximated = stages.time("projection", || {
-                let (source, _) = self.reflected_direct(&self.vertex_albedo());
-                self.transport(run).projected(&source)
-            });
-        }
-        if settings.needs_bounces() {
-            found.indirect = stages.time("bounces", || self.bounce(settings.bounces, run))?;
-        }
-        Ok(found)
-    }
-
-    /// Indirect irradiance at the vertices from the kept direct light; that of the
-    /// last frame if nothing that it depends on has changed.
-    fn bounce(&mut self, bounces: Bounces, run: &RunSettings) -> Result<Arc<[Vec3]>, BounceError> {
-        let albedo = self.vertex_albedo();
-        let (source, version) = self.reflected_direct(&albedo);
-        if let Some(last) = &self.bounced
-            && last.of_direct == version
-            && last.bounces == bounces
-            && last.albedo == albedo
-        {
-            return Ok(last.irradiance.clone());
-        }
-        let irradiance: Arc<[Vec3]> = self.transport(run).solve(&source, &albedo, bounces)?.into();
-        self.bounced = Some(Bounced {
-            of_direct: version,
-            bounces,
-            albedo,
-            irradiance: irradiance.clone(),
-        });
-        Ok(irradiance)
-    }
-
-    fn transport(&self, run: &RunSettings) -> Transport<'_> {
-        let baked = self.baked.as_ref().expect("the frame has made its bake");
-        Transport {
-            bake: &baked.bake,
-            level: run.level,
-        }
-    }
-
-    fn vertex_albedo(&self) -> Vec<Vec3> {
-        self.colours.albedo(&self.scene, &self.surface)
-    }
-
-    /// Radiosity of the vertices by the kept direct light, W/m2, and the number of
-    /// that direct light.
-    fn reflected_direct(&mut self, albedo: &[Vec3]) -> (Vec<Vec3>, u64) {
-        let (direct, version) = self.kept.sum(self.surface.vertices.len());
-        let pairs = direct.iter().zip(albedo);
-        (pairs.map(|(e, rho)| *e * *rho).collect(), version)
-    }
-}
-
-/// What a frame reads at the vertices; what it does not need is empty.
-#[derive(Default)]
-struct AtVertices {
-    sky: Vec<Vec3>,
-    indirect: Arc<[Vec3]>,
-    approximated: Vec<Vec3>,
-    basis: Option<BasisView>,
-    computed_lights: usize,
 }
 
 /// The last solution, and what it depends on besides the bake.

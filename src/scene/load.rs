@@ -1,7 +1,7 @@
 //! From a path to a [`Scene`].
 
 use std::io;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use glam::Vec3;
 
@@ -49,16 +49,16 @@ impl Scene {
         Self::load_with(&bytes, path, &all, &Disk)
     }
 
-    /// [`Scene::load`] of the bytes that `path` held a moment ago.
-    ///
-    /// # Errors
-    /// As [`Scene::load`].
+    /// [`Scene::load`] of the bytes that `path` held a moment ago, and
+    /// [`Scene::files`] also where there is no scene.
     pub(crate) fn load_bytes(
         bytes: &[u8],
         path: &Path,
         overrides: &[Override],
-    ) -> Result<Self, SceneError> {
-        Self::load_with(bytes, path, overrides, &Disk)
+    ) -> (Vec<PathBuf>, Result<Self, SceneError>) {
+        let files = Recorded::new(&Disk);
+        let scene = Self::load_with(bytes, path, overrides, &files);
+        (files.asked(), scene)
     }
 
     /// [`Scene::load`] of the bytes that `path` holds, with another source of

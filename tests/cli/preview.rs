@@ -134,3 +134,47 @@ fn mistakes_in_scripts_are_told_with_their_line() {
     assert_eq!(finished.exit_code, Some(3), "{finished:#?}");
     assert!(finished.stderr.contains("none.script"), "{finished:#?}");
 }
+
+#[test]
+fn the_script_of_the_readme_plays() {
+    let readme = include_str!("../../README.md");
+    let start = readme.find("0 resize").expect("the README has a script");
+    let script = readme[start..].split("```").next().expect("it ends");
+    let session = Session::new();
+    let report = session.played(script);
+    assert_eq!(report["unsaved"], true, "the lamp has moved: {report}");
+    assert!(session.at("moved.png").exists());
+}
+
+#[test]
+fn what_fails_in_a_script_is_its_exit_code() {
+    let session = Session::new();
+    let mut permissions = fs::metadata(session.at("cornell.toml"))
+        .expect("it is there")
+        .permissions();
+    permissions.set_readonly(true);
+    fs::set_permissions(session.at("cornell.toml"), permissions).expect("it can be protected");
+    let finished = session.play("0 key Tab\n1 key i\n2 key ctrl+s\n");
+    assert_eq!(finished.exit_code, Some(3), "{finished:#?}");
+    let report = finished.json();
+    assert!(
+        report["error"]
+            .as_str()
+            .is_some_and(|it| it.contains("cornell.toml")),
+        "{report}"
+    );
+    assert_eq!(report["unsaved"], true);
+}
+
+#[test]
+fn bounces_that_the_file_does_not_ask_for_are_baked_all_the_same() {
+    let session = Session::new();
+    let none = ["--set", "render.bounces=0"];
+    let script = "0 resize 40 16\n0 rest\n0 key +\n0 key +\n1 rest\n";
+    fs::write(session.at("a.script"), script).expect("the script is written");
+    let mut command =
+        session.command(&["preview", "cornell.toml", "--script", "a.script", "--json"]);
+    let report = succeed(command.args(none)).json();
+    let rendered = session.rendered(&["--bounces", "2", "--size", "40x30"]);
+    assert_eq!(report["digest"], rendered, "{report}");
+}

@@ -1,22 +1,37 @@
 //! The scene's files: saved, written beside, read again.
 
 use std::path::{Path, PathBuf};
+use std::time::SystemTime;
 
 use super::prompt::Prompt;
-use super::{Effect, Program};
+use super::{BakeState, Effect, Program, QuitsAfter};
+use crate::preview::message::Loaded;
+use crate::preview::watch::Watched;
 use crate::preview::worker::Errand;
-use crate::scene::{Saved, Scene, SceneError, save_file};
+use crate::scene::{Override, Saved, Scene, save_file};
 
 /// Most pictures of one scene in a folder.
 const MOST_PICTURES: u32 = 10_000;
 
 impl Program {
-    /// The files that the scene is made of.
-    pub(super) fn watched(&self) -> Vec<PathBuf> {
-        let named = self.scene.files.iter().cloned();
-        std::iter::once(self.file.path.clone())
-            .chain(named)
-            .collect()
+    /// The files that the scene is made of, as they were at a time.
+    pub(super) fn watched(&self, known_at: SystemTime) -> Watched {
+        self.watched_with(&self.scene.files, known_at)
+    }
+
+    fn watched_with(&self, named: &[PathBuf], known_at: SystemTime) -> Watched {
+        let scene = std::iter::once(&self.file.path);
+        Watched {
+            files: scene.chain(named).cloned().collect(),
+            known_at,
+        }
+    }
+
+    /// The files read again; `is_answered`: also if that costs edits.
+    pub(super) fn load(&mut self, is_answered: bool) -> Effect {
+        self.loads += 1;
+        self.load_is_answered = is_answered;
+        Effect::Load(self.loads)
     }
 
     /// Writes what was edited into the scene file, or asks.
@@ -49,7 +64,11 @@ impl Program {
                 self.status.file_error = None;
                 self.status
                     .say(format!("saved {}", self.file.path.display()));
-                vec![Effect::Watch(self.watched())]
+                let mut effects = vec![Effect::Watch(self.watched(SystemTime::now()))];
+                if self.quits_after.take().is_some() {
+                    effects.extend(self.quit());
+                }
+                effects
             }
             Ok(Saved::ChangedMeanwhile) => {
                 self.prompt = Some(Prompt::Overwrite);
@@ -73,43 +92,51 @@ impl Program {
 
     /// Files have changed: they are read again, unless that would cost edits.
     pub(super) fn files_changed(&mut self) -> Vec<Effect> {
+        if self.prompt.is_some() {
+            // One question at a time.
+            self.files_wait = true;
+            return Vec::new();
+        }
         if self.hands.is_unsaved() {
             self.prompt = Some(Prompt::Reload);
             return Vec::new();
         }
-        vec![Effect::Load]
+        vec![self.load(false)]
     }
 
     /// The files were read again: the new scene is shown, or what is wrong with it.
-    pub(super) fn loaded(
-        &mut self,
-        bytes: Vec<u8>,
-        scene: Result<Box<Scene>, SceneError>,
-    ) -> Vec<Effect> {
-        let scene = match scene {
+    pub(super) fn loaded(&mut self, loaded: Loaded) -> Vec<Effect> {
+        let watched = Effect::Watch(self.watched_with(&loaded.files, loaded.at));
+        let scene = match loaded.scene {
+            // Something was edited while the files were read.
+            Ok(_) if self.hands.is_unsaved() && !self.load_is_answered => {
+                self.prompt = Some(Prompt::Reload);
+                return vec![watched];
+            }
             Ok(scene) => *scene,
             Err(error) => {
                 self.status.file_error = Some(format!("{error}; the last scene is shown"));
-                return Vec::new();
+                return vec![watched];
             }
         };
         let is_same_mesh = is_same_mesh(&scene, &self.scene);
         self.status.file_error = None;
         self.status.say(reloaded(&scene));
         self.hands.reload(&scene);
-        self.file.bytes = bytes;
+        self.file.bytes = loaded.bytes;
+        self.extent = scene.placement().extent;
         self.scene = scene;
-        let mut effects = vec![Effect::Watch(self.watched())];
+        let mut effects = vec![watched];
         if !is_same_mesh {
-            effects.push(self.prepare());
+            effects.push(self.prepare(false));
         }
-        effects.push(self.show_anew());
+        effects.extend(self.show_anew());
         effects
     }
 
     /// Writes the frame at the scene's size into a file that is not there yet.
     pub(super) fn write_png(&mut self) -> Vec<Effect> {
-        if self.status.baking.is_some() {
+        if self.bake == BakeState::OnItsWay {
             self.status
                 .say("the bake is not ready; its light would be missing");
             return Vec::new();
@@ -121,13 +148,31 @@ impl Program {
             .unwrap_or_default()
             .to_string_lossy();
         let names = (1..MOST_PICTURES).map(|number| PathBuf::from(format!("{stem}-{number}.png")));
-        let Some(path) = names.into_iter().find(|path| !path.exists()) else {
+        let is_free = |path: &PathBuf| !path.exists() && !self.writing.contains(path);
+        let Some(path) = names.into_iter().find(is_free) else {
             return self.fails(format!("there are {MOST_PICTURES} pictures of {stem} here"));
         };
         let size = self.hands.document().camera.size;
         self.status.say(format!("drawing {}", path.display()));
+        self.writing.push(path.clone());
         let wish = Box::new(self.wish());
         vec![Effect::Send(Errand::Write { wish, size, path })]
+    }
+}
+
+impl Program {
+    /// A picture is in its file, or not.
+    pub(super) fn wrote(&mut self, path: &Path, written: Result<String, String>) -> Vec<Effect> {
+        self.writing.retain(|it| it != path);
+        let is_written = written.is_ok();
+        self.status.wrote(path, written);
+        if self.quits_after == Some(QuitsAfter::Writing) {
+            self.quits_after = None;
+            if is_written {
+                return self.quit();
+            }
+        }
+        Vec::new()
     }
 }
 
@@ -149,16 +194,20 @@ fn reloaded(scene: &Scene) -> String {
 }
 
 /// Reads a scene file and all that it names.
-pub(crate) fn load(
-    path: &Path,
-    overrides: &[crate::scene::Override],
-) -> (Vec<u8>, Result<Box<Scene>, SceneError>) {
-    match std::fs::read(path) {
+pub(crate) fn load(path: &Path, overrides: &[Override]) -> Loaded {
+    let at = SystemTime::now();
+    let (bytes, (files, scene)) = match std::fs::read(path) {
         Ok(bytes) => {
-            let scene = Scene::load_bytes(&bytes, path, overrides).map(Box::new);
-            (bytes, scene)
+            let loaded = Scene::load_bytes(&bytes, path, overrides);
+            (bytes, loaded)
         }
         // The reader of scenes says it in its own words.
-        Err(_) => (Vec::new(), Scene::load(path, overrides).map(Box::new)),
+        Err(_) => (Vec::new(), (Vec::new(), Scene::load(path, overrides))),
+    };
+    Loaded {
+        at,
+        bytes,
+        files,
+        scene: scene.map(Box::new),
     }
 }

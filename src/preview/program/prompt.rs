@@ -1,7 +1,7 @@
 //! Questions that the program asks, and what follows from the answers.
 
-use super::{Effect, Program};
-use crate::preview::input::{Code, Input, Key};
+use super::{Effect, Program, QuitsAfter};
+use crate::preview::input::{Code, Key};
 
 /// A question that stands in the status line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -34,32 +34,34 @@ impl Prompt {
 
 impl Program {
     /// Does what a key answers; asks again where it is no answer.
-    pub(super) fn answer(&mut self, prompt: Prompt, input: Input) -> Vec<Effect> {
-        let Input::Key(Key { code, held }) = input else {
-            self.prompt = Some(prompt);
-            return Vec::new();
-        };
+    pub(super) fn answer(&mut self, prompt: Prompt, key: Key) -> Vec<Effect> {
+        let Key { code, held } = key;
         if code == Code::Char('c') && held.ctrl {
             return vec![Effect::Quit(super::INTERRUPTED)];
         }
-        match (prompt, code) {
-            (_, Code::Esc) => Vec::new(),
-            (Prompt::Quit, Code::Char('s')) => {
-                let mut effects = self.save();
-                if self.hands.is_unsaved() {
-                    // It could not be saved, or there is another question.
-                    return effects;
-                }
-                effects.push(Effect::Quit(0));
-                effects
-            }
-            (Prompt::Quit, Code::Char('d')) => vec![Effect::Quit(0)],
-            (Prompt::Overwrite, Code::Char('o')) => self.overwrite(),
-            (Prompt::Overwrite | Prompt::Reload, Code::Char('r')) => vec![Effect::Load],
-            _ => {
-                self.prompt = Some(prompt);
+        let mut effects = match (prompt, code) {
+            (_, Code::Esc) => {
+                self.quits_after = None;
                 Vec::new()
             }
+            (Prompt::Quit, Code::Char('s')) => {
+                self.quits_after = Some(QuitsAfter::Saving);
+                self.save()
+            }
+            (Prompt::Quit, Code::Char('d')) => self.quit(),
+            (Prompt::Overwrite, Code::Char('o')) => self.overwrite(),
+            (Prompt::Overwrite | Prompt::Reload, Code::Char('r')) => {
+                self.quits_after = None;
+                vec![self.load(true)]
+            }
+            _ => {
+                self.prompt = Some(prompt);
+                return Vec::new();
+            }
+        };
+        if self.prompt.is_none() && std::mem::take(&mut self.files_wait) {
+            effects.extend(self.files_changed());
         }
+        effects
     }
 }

@@ -4,8 +4,8 @@ use std::fs;
 
 use super::*;
 use crate::bake::RunSettings;
-use crate::preview::input::Key;
-use crate::preview::painter::Painter;
+use crate::preview::input::{Action, Button, Held, Key, Mouse};
+use crate::preview::painter::{Painter, Sharpness};
 use crate::relight::Renderer;
 
 const MESH: &str = "v -1 0 -1\nv 1 0 -1\nv 1 0 1\nv -1 0 1\nf 4 3 2 1\n";
@@ -19,6 +19,14 @@ struct Table {
     program: Program,
     folder: tempfile::TempDir,
     effects: Vec<Effect>,
+    /// The pictures of the last time that something was drawn.
+    drawn: Vec<Look>,
+}
+
+/// A picture, and what the program asked to be prepared when it came.
+struct Look {
+    sharpness: Sharpness,
+    prepare: Option<(u64, bool)>,
 }
 
 impl Table {
@@ -27,17 +35,19 @@ impl Table {
         fs::write(folder.path().join("floor.obj"), MESH).unwrap();
         let path = folder.path().join("scene.toml");
         fs::write(&path, SCENE).unwrap();
-        let (bytes, scene) = load(&path, &[]);
+        let loaded = load(&path, &[]);
         let file = SceneFile {
             path,
             overrides: Vec::new(),
-            bytes,
+            bytes: loaded.bytes,
         };
-        let (program, effects) = Program::start(file, *scene.unwrap(), size, None);
+        let scene = *loaded.scene.unwrap();
+        let (program, effects) = Program::start(file, scene, loaded.at, (size, None));
         Self {
             program,
             folder,
             effects,
+            drawn: Vec::new(),
         }
     }
 
@@ -56,9 +66,35 @@ impl Table {
     /// What the scene's files hold now is read, as when they changed.
     fn reload(&mut self) {
         self.take(Message::FilesChanged);
-        assert!(self.asks(|it| matches!(it, Effect::Load)));
-        let (bytes, scene) = load(&self.path(), &[]);
-        self.take(Message::Loaded { bytes, scene });
+        self.read();
+    }
+
+    /// What the program has asked to be read.
+    fn read(&mut self) {
+        let number = self.load_asked().expect("it asks for the files");
+        let loaded = load(&self.path(), &[]);
+        self.take(Message::Loaded { number, loaded });
+    }
+
+    fn load_asked(&self) -> Option<u64> {
+        self.effects.iter().find_map(|effect| match effect {
+            Effect::Load(number) => Some(*number),
+            _ => None,
+        })
+    }
+
+    /// The number and the bake of the scene that is to be prepared.
+    fn prepare_asked(&self) -> Option<(u64, bool)> {
+        self.effects.iter().find_map(|effect| match effect {
+            Effect::Prepare(wanted, _) => Some((wanted.number, wanted.bake)),
+            _ => None,
+        })
+    }
+
+    /// A renderer of the scene arrives, without a bake.
+    fn prepared(&mut self, number: u64) {
+        let renderer = Box::new(Renderer::new(self.program.scene.clone(), None));
+        self.take(Message::Prepared { number, renderer });
     }
 
     fn asks(&self, is_it: impl Fn(&Effect) -> bool) -> bool {
@@ -84,16 +120,17 @@ impl Table {
 
     /// Draws what is wished for until it is sharp.
     fn draw(&mut self) {
+        self.drawn.clear();
         let mut painter = Painter::new(Renderer::new(self.program.scene.clone(), None));
-        while let Some(drawn) = painter
-            .next(&self.program.wish(), &RunSettings::silent())
-            .unwrap()
-        {
-            let number = self.program.wishes;
+        let run = RunSettings::silent();
+        while let Some(drawn) = painter.next(&self.program.wish(), &run).unwrap() {
+            let sharpness = drawn.sharpness;
             self.take(Message::Drawn {
-                number,
+                number: self.program.wishes,
                 drawn: Box::new(drawn),
             });
+            let prepare = self.prepare_asked();
+            self.drawn.push(Look { sharpness, prepare });
         }
     }
 }
@@ -101,10 +138,10 @@ impl Table {
 #[test]
 fn it_begins_with_a_scene_to_prepare_files_to_watch_and_a_wish() {
     let table = Table::new((80, 24));
-    assert!(table.asks(|it| matches!(it, Effect::Prepare(1, _))));
+    assert_eq!(table.prepare_asked(), Some((1, false)));
     assert!(table.asks(|it| matches!(it, Effect::Show(1, _))));
-    let watched = |files: &Vec<PathBuf>| files.iter().any(|it| it.ends_with("floor.obj"));
-    assert!(table.asks(|it| matches!(it, Effect::Watch(files) if watched(files))));
+    let has_mesh = |it: &Watched| it.files.iter().any(|file| file.ends_with("floor.obj"));
+    assert!(table.asks(|it| matches!(it, Effect::Watch(watched) if has_mesh(watched))));
     assert!(table.bottom().contains("? shows the keys"));
 }
 
@@ -160,10 +197,7 @@ fn a_file_that_changes_is_shown_and_one_that_is_wrong_leaves_the_last() {
     fs::write(table.path(), SCENE.replace("0.3, 0.8", "0.4, 0.9")).unwrap();
     table.reload();
     assert!(table.asks(|it| matches!(it, Effect::Show(..))));
-    assert!(
-        !table.asks(|it| matches!(it, Effect::Prepare(..))),
-        "a light needs no bake"
-    );
+    assert_eq!(table.prepare_asked(), None, "a light needs no bake");
     assert_eq!(table.program.wish().lights, table.program.scene.lights);
     let good = table.program.wish();
 
@@ -188,10 +222,7 @@ fn a_file_that_changes_is_shown_and_one_that_is_wrong_leaves_the_last() {
     )
     .unwrap();
     table.reload();
-    assert!(
-        table.asks(|it| matches!(it, Effect::Prepare(2, _))),
-        "another mesh"
-    );
+    assert_eq!(table.prepare_asked(), Some((2, false)), "another mesh");
     assert!(table.bottom().contains("read again"));
 }
 
@@ -205,9 +236,7 @@ fn reading_again_asks_where_it_would_cost_edits_and_can_be_undone() {
     table.take(Message::FilesChanged);
     assert!(table.bottom().contains("the scene file was changed"));
     table.key("r");
-    assert!(table.asks(|it| matches!(it, Effect::Load)));
-    let (bytes, scene) = load(&table.path(), &[]);
-    table.take(Message::Loaded { bytes, scene });
+    table.read();
     assert!(table.program.wish() != edited);
     table.key("u");
     assert_eq!(table.program.wish().lights, edited.lights);
@@ -234,26 +263,23 @@ fn any_size_of_screen_shows_something() {
     assert!(table.program.cells().lines().is_empty());
 }
 
+fn mouse(action: Action, column: u16, row: u16) -> Message {
+    Message::Input(Input::Mouse(Mouse {
+        action,
+        column,
+        row,
+        held: Held::NONE,
+    }))
+}
+
 #[test]
 fn a_click_selects_what_is_seen_there() {
     let mut table = Table::new((60, 31));
     table.draw();
-    let click = |action| {
-        Message::Input(Input::Mouse(crate::preview::input::Mouse {
-            action,
-            column: 30,
-            row: 26,
-            held: crate::preview::input::Held::NONE,
-        }))
-    };
-    use crate::preview::input::{Action, Button};
-    table.take(click(Action::Press(Button::Left)));
-    table.take(click(Action::Release(Button::Left)));
-    assert!(
-        table.bottom().contains("[(no material)]"),
-        "{}",
-        table.bottom()
-    );
+    table.take(mouse(Action::Press(Button::Left), 30, 26));
+    table.take(mouse(Action::Release(Button::Left), 30, 26));
+    let bottom = table.bottom();
+    assert!(bottom.contains("[(no material)]"), "{bottom}");
     let before = table.program.wish();
     table.key("I");
     let after = table.program.wish();
@@ -295,6 +321,7 @@ fn late_pictures_and_late_scenes_are_not_shown() {
 fn a_bake_is_told_and_a_picture_waits_for_it() {
     let mut table = Table::new((120, 12));
     table.take(Message::Baking {
+        number: 1,
         stage: "transfer",
         share: 0.42,
     });
@@ -313,4 +340,153 @@ fn a_bake_is_told_and_a_picture_waits_for_it() {
         error: "no basis".to_owned(),
     });
     assert!(table.bottom().contains("no basis"));
+}
+
+#[test]
+fn a_scene_that_comes_to_need_a_bake_gets_one() {
+    let mut table = Table::new((60, 12));
+    table.prepared(1);
+    table.draw();
+    assert_eq!(table.prepare_asked(), None, "no bounces, no bake");
+    table.key("+");
+    table.draw();
+    let asked: Vec<_> = table.drawn.iter().filter_map(|it| it.prepare).collect();
+    assert_eq!(asked, [(2, true)], "once, whatever the file asks for");
+    table.key("P");
+    assert!(table.effects.is_empty() && table.bottom().contains("the bake is not ready"));
+    // One that fails is not made again and again.
+    table.take(Message::NotPrepared {
+        number: 2,
+        error: "no".to_owned(),
+    });
+    table.key("+");
+    table.draw();
+    assert!(table.drawn.iter().all(|it| it.prepare.is_none()));
+}
+
+#[test]
+fn the_fine_picture_stays_where_nothing_changes() {
+    let mut table = Table::new((20, 6));
+    table.program.cell_px = Some((8, 16));
+    table.key("e");
+    table.draw();
+    assert_eq!(
+        table.drawn.last().map(|it| it.sharpness),
+        Some(Sharpness::Fine)
+    );
+    assert!(table.program.pixel_picture().is_some());
+    table.take(Message::Input(Input::Resize {
+        columns: 20,
+        rows: 6,
+    }));
+    assert!(
+        !table.asks(|it| matches!(it, Effect::Show(..))),
+        "the same size"
+    );
+    table.key("Tab");
+    table.key("m");
+    table.key("m");
+    table.draw();
+    assert!(table.program.pixel_picture().is_some());
+}
+
+#[test]
+fn two_pictures_are_two_files_and_quitting_waits_for_them() {
+    let mut table = Table::new((120, 12));
+    table.prepared(1);
+    let mut paths = Vec::new();
+    for _ in 0..2 {
+        table.key("P");
+        let written = table.effects.iter().find_map(|effect| match effect {
+            Effect::Send(Errand::Write { path, .. }) => Some(path.clone()),
+            _ => None,
+        });
+        paths.push(written.expect("a picture is to be written"));
+    }
+    assert_ne!(paths[0], paths[1]);
+    table.key("q");
+    assert_eq!(table.quits(), None, "{}", table.bottom());
+    for (path, quits) in paths.into_iter().zip([None, Some(0)]) {
+        table.take(Message::Wrote {
+            path,
+            written: Ok("digest".to_owned()),
+        });
+        assert_eq!(table.quits().or(quits), quits);
+    }
+}
+
+#[test]
+fn a_late_bake_and_a_late_reading_say_nothing() {
+    let mut table = Table::new((120, 12));
+    table.prepared(1);
+    table.take(Message::Baking {
+        number: 0,
+        stage: "transfer",
+        share: 0.5,
+    });
+    assert!(table.program.status.baking.is_none());
+    table.take(Message::FilesChanged);
+    let first = table.load_asked().unwrap();
+    table.take(Message::FilesChanged);
+    assert!(table.load_asked().unwrap() > first);
+    let loaded = load(&table.path(), &[]);
+    table.take(Message::Loaded {
+        number: first,
+        loaded,
+    });
+    assert!(table.effects.is_empty());
+    // What was edited while the files were read is not lost unasked.
+    table.take(Message::FilesChanged);
+    let number = table.load_asked().unwrap();
+    table.key("Tab");
+    table.key("i");
+    let edited = table.program.wish();
+    let loaded = load(&table.path(), &[]);
+    table.take(Message::Loaded { number, loaded });
+    assert!(table.bottom().contains("the scene file was changed"));
+    assert_eq!(table.program.wish(), edited);
+}
+
+#[test]
+fn a_file_that_a_broken_scene_names_is_watched() {
+    let mut table = Table::new((120, 12));
+    fs::write(table.path(), SCENE.replace("floor.obj", "new.obj")).unwrap();
+    table.reload();
+    let names_new = |it: &Watched| it.files.iter().any(|file| file.ends_with("new.obj"));
+    assert!(table.asks(|it| matches!(it, Effect::Watch(watched) if names_new(watched))));
+}
+
+#[test]
+fn one_question_stands_at_a_time_and_saving_ends_in_the_end() {
+    let mut table = Table::new((160, 12));
+    table.key("Tab");
+    table.key("i");
+    table.key("q");
+    fs::write(table.path(), SCENE.replace("vfov = 40.0", "vfov = 50.0")).unwrap();
+    table.take(Message::FilesChanged);
+    assert!(
+        table.bottom().contains("unsaved changes"),
+        "{}",
+        table.bottom()
+    );
+    table.take(mouse(Action::Release(Button::Left), 1, 1));
+    assert!(table.bottom().contains("unsaved changes"));
+    table.key("s");
+    assert!(
+        table.bottom().contains("changed meanwhile"),
+        "{}",
+        table.bottom()
+    );
+    table.key("o");
+    assert_eq!(table.quits(), Some(0));
+    let mut table = Table::new((160, 12));
+    table.key("Tab");
+    table.key("i");
+    table.key("q");
+    table.take(Message::FilesChanged);
+    table.key("Esc");
+    assert!(
+        table.bottom().contains("the scene file was changed"),
+        "it has waited"
+    );
 }

@@ -9,6 +9,8 @@ pub(super) struct Painter {
     protocol: Option<Protocol>,
     /// The picture of pixels that is shown.
     shown: Option<PixelPicture>,
+    /// Whether the terminal may still show a picture that was forgotten.
+    may_show_another: bool,
 }
 
 impl Painter {
@@ -17,13 +19,14 @@ impl Painter {
             encoder: CellEncoder::new(colours),
             protocol,
             shown: None,
+            may_show_another: false,
         }
     }
 
     /// The terminal may show anything.
     pub(super) fn forget(&mut self) {
         self.encoder.forget();
-        self.shown = None;
+        self.may_show_another |= self.shown.take().is_some();
     }
 
     /// Bytes that show a frame. A picture of pixels that is not shown yet is left
@@ -32,6 +35,11 @@ impl Painter {
         let Some(protocol) = self.protocol else {
             return self.encoder.encode_around(&frame.cells, None).to_vec();
         };
+        if std::mem::take(&mut self.may_show_another) {
+            let mut bytes = protocol.remove().to_vec();
+            bytes.extend(self.bytes(frame, is_late));
+            return bytes;
+        }
         let wanted = frame.picture.as_ref();
         let wanted = wanted.filter(|picture| fits(picture, &frame.cells, protocol));
         if wanted.is_some() && wanted == self.shown.as_ref() {
@@ -133,8 +141,14 @@ mod tests {
         let gone = painted(&mut painter, "xbcdef", false);
         assert!(gone.ends_with("\x1b[?2026l\x1b_Ga=d,d=I,i=7497068,q=2\x1b\\"));
         assert_eq!(painted(&mut painter, "xbcdef", false), "");
-        painter.forget();
         assert!(painted(&mut painter, "xbcdef", true).contains("\x1b_Ga=T"));
+        // A terminal that was resized may have kept the picture or not.
+        painter.forget();
+        let resized = painted(&mut painter, "xbcdef", false);
+        assert!(
+            resized.starts_with("\x1b_Ga=d,d=I,i=7497068,q=2\x1b\\"),
+            "{resized:?}"
+        );
     }
 
     #[test]
