@@ -69,13 +69,42 @@ pub(super) struct Split {
     pub(super) remainder_noise: Vec<[f32; GROUP]>,
 }
 
+/// Sum over the group of A T^2 of every entry.
+pub(super) fn near_scores(transfer: &GroupTransfer, areas: &[f32; GROUP]) -> Vec<f32> {
+    let score = |weights: &[f32; GROUP]| {
+        let terms = weights.iter().zip(areas);
+        terms.fold(0.0, |sum, (w, area)| sum + area * w * w)
+    };
+    transfer.entries.iter().map(|(_, w)| score(w)).collect()
+}
+
+/// Near field: the senders with the largest sum over the group of A T^2.
+pub(super) fn near_split_weighted(
+    transfer: &GroupTransfer,
+    most: usize,
+    areas: &[f32; GROUP],
+) -> Split {
+    let scores = near_scores(transfer, areas);
+    split_by(transfer, most, |index, _| scores[index])
+}
+
 /// Near field: the senders with the largest sum over the group of T^2.
 pub(super) fn near_split(transfer: &GroupTransfer, most: usize) -> Split {
+    split_by(transfer, most, |_, weights| {
+        weights.iter().fold(0.0, |sum, w| sum + w * w)
+    })
+}
+
+fn split_by(
+    transfer: &GroupTransfer,
+    most: usize,
+    score: impl Fn(usize, &[f32; GROUP]) -> f32,
+) -> Split {
     let mut order: Vec<(f32, u32)> = transfer
         .entries
         .iter()
         .enumerate()
-        .map(|(i, (_, weights))| (weights.iter().fold(0.0, |sum, w| sum + w * w), i as u32))
+        .map(|(i, (_, weights))| (score(i, weights), i as u32))
         .collect();
     let count = most.min(order.len());
     if count < order.len() && count > 0 {
@@ -270,6 +299,10 @@ impl Compressor<'_> {
             if band == 1.0 {
                 rows.coarse = rows.functions.len() as u32;
             }
+        }
+        if !super::knobs::now().constant {
+            rows.basis_steps = steps;
+            return;
         }
         for lane in 0..GROUP {
             if target[lane] > 0.0 && responses[lane] <= 0.0 {

@@ -25,6 +25,8 @@ mod function_shares;
 mod graph;
 mod inertia;
 mod key;
+pub(crate) mod knobs;
+pub(crate) mod lab;
 mod laplacian;
 mod low_rank;
 mod neighbours;
@@ -311,14 +313,22 @@ fn spectral_basis(
         .collect();
     let total = settings.function_count(surface.vertices.len());
     let counts = match settings.scheme {
-        Scheme::Relume => functions_by_area(&areas, &sizes, total),
+        Scheme::Relume => functions_by_area(&lab::shares(places, &parts, &areas), &sizes, total),
         Scheme::Paper => paper::equal_functions(&sizes, total),
     };
     run.progress.stage("spectral basis", sizes.len() as u64);
-    let basis = Basis::build(
-        &graph,
+    let (weighted, masses) = lab::weights(surface, &graph);
+    let of_part = |part| {
+        if masses.is_empty() {
+            laplacian::Laplacian::of_part(&graph, &parts, part)
+        } else {
+            laplacian::Laplacian::weighted(&weighted, &parts, part, &masses)
+        }
+    };
+    let basis = Basis::build_of(
         &parts,
         &counts,
+        (&of_part, &masses),
         &|| run.progress.advance(1),
         &|| run.progress.cancelled(),
     )
@@ -329,7 +339,11 @@ fn spectral_basis(
         }
     })?;
     Ok(match settings.scheme {
-        Scheme::Relume => basis.under_masses(&places.masses()),
+        Scheme::Relume => match knobs::now().masses {
+            knobs::Masses::One => basis.under_masses(&vec![1.0; surface.vertices.len()]),
+            knobs::Masses::Area => basis.under_masses(&lab::areas(surface)),
+            knobs::Masses::Bounce => basis.under_masses(&places.masses()),
+        },
         Scheme::Paper => basis,
     })
 }

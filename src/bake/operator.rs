@@ -94,7 +94,7 @@ fn pilot_groups(groups: &[(u32, u32)]) -> Vec<(u32, u32)> {
 }
 
 /// The score of the last one that `budget` pays for.
-fn threshold_of(mut scores: Vec<f32>, budget: usize) -> f32 {
+pub(super) fn threshold_of(mut scores: Vec<f32>, budget: usize) -> f32 {
     if scores.len() <= budget || budget == 0 {
         return 0.0;
     }

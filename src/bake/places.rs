@@ -34,6 +34,7 @@ const OPEN_SHARE: f64 = super::sky::OPEN_SHARE;
 
 /// Least mass of a vertex in the basis, of the mean: what 64 rays do not see
 /// may still be seen by others.
+#[allow(dead_code)]
 const LEAST_MASS: f64 = 0.02;
 
 /// Tries to find a place with room around it.
@@ -202,10 +203,11 @@ impl<'a> Places<'a> {
         let mean = products.iter().sum::<f64>() / products.len().max(1) as f64;
         let share = |product: f64| {
             let share = product / mean;
-            if share > LEAST_MASS {
+            let least = super::knobs::now().least_mass;
+            if share > least {
                 share as f32
             } else {
-                LEAST_MASS as f32
+                least as f32
             }
         };
         if mean > 0.0 {

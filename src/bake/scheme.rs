@@ -89,6 +89,8 @@ impl Partitioner {
 pub(crate) enum Operator {
     /// A near field, and a low-rank product for the rest.
     LowRank(Box<LowRank>),
+    /// Lists shared by eight.
+    Sparse(super::rows::Rows),
     /// A list a receiver, as published.
     Paper(PaperRows),
 }
@@ -103,6 +105,10 @@ impl Operator {
     ) -> Vec<[f32; 3]> {
         match self {
             Self::LowRank(rows) => rows.apply(level, basis, radiosity),
+            Self::Sparse(rows) => {
+                let functions = basis.project_rgb(level, radiosity);
+                super::apply_rows(level, rows, radiosity, &functions)
+            }
             Self::Paper(rows) => rows.apply(level, basis, radiosity),
         }
     }
@@ -120,6 +126,7 @@ impl Operator {
                     })
                     .collect()
             }
+            Self::Sparse(_) => Vec::new(),
             Self::Paper(rows) => rows.without_senders(),
         }
     }
@@ -128,6 +135,7 @@ impl Operator {
     pub(crate) fn bytes(&self) -> usize {
         match self {
             Self::LowRank(rows) => rows.bytes(),
+            Self::Sparse(rows) => rows.bytes(),
             Self::Paper(rows) => rows.bytes(),
         }
     }
@@ -136,6 +144,7 @@ impl Operator {
     pub(crate) fn coefficients_per_vertex(&self) -> f64 {
         match self {
             Self::LowRank(rows) => rows.coefficients_per_vertex(),
+            Self::Sparse(rows) => rows.coefficients_per_vertex(),
             Self::Paper(rows) => rows.coefficients_per_vertex(),
         }
     }

@@ -97,12 +97,12 @@ pub(crate) struct StudyLight {
 
 /// What bakes of one surface share.
 pub(crate) struct Study<'a> {
-    surface: &'a Surface,
-    places: Places<'a>,
-    backs: Vec<bool>,
-    open_points: Vec<u8>,
+    pub(super) surface: &'a Surface,
+    pub(super) places: Places<'a>,
+    pub(super) backs: Vec<bool>,
+    pub(super) open_points: Vec<u8>,
     /// Brightness of every prior light at the vertices.
-    priors: Vec<Vec<f32>>,
+    pub(super) priors: Vec<Vec<f32>>,
 }
 
 impl<'a> Study<'a> {

@@ -18,6 +18,8 @@
 
 mod frame_errors;
 mod frames;
+#[cfg(test)]
+mod laboratory;
 mod paths;
 mod pictures;
 mod report;

@@ -262,7 +262,7 @@ fn by_many_points(
 }
 
 /// Fields times a value a vertex.
-fn times(factors: &[f32], fields: &VertexFields) -> VertexFields {
+pub(super) fn times(factors: &[f32], fields: &VertexFields) -> VertexFields {
     let rows = factors.iter().zip(fields.rows());
     VertexFields {
         width: fields.width,
@@ -272,7 +272,7 @@ fn times(factors: &[f32], fields: &VertexFields) -> VertexFields {
     }
 }
 
-fn plus(a: &VertexFields, b: &VertexFields) -> VertexFields {
+pub(super) fn plus(a: &VertexFields, b: &VertexFields) -> VertexFields {
     VertexFields {
         width: a.width,
         values: a.values.iter().zip(&b.values).map(|(a, b)| a + b).collect(),

@@ -71,6 +71,32 @@ impl<'a> Task<'a> {
     }
 }
 
+fn near_threshold(task: &Task, groups: &[(u32, u32)], budget: usize) -> f32 {
+    let stride = groups.len().div_ceil(256).max(1);
+    let pilots: Vec<_> = groups.iter().skip(stride / 2).step_by(stride).collect();
+    let most = (budget as f64 * crate::bake::knobs::now().near_most) as usize;
+    let sampling = task.sampling();
+    let scores: Vec<Vec<f32>> = pilots
+        .par_iter()
+        .map_init(
+            || crate::bake::transfer::Scratch::new(task.basis.slot_count()),
+            |scratch, group| {
+                let receivers = crate::bake::operator::vertices_of(task.basis, **group);
+                let rows = crate::bake::transfer::sample_group(&sampling, receivers, scratch);
+                let mut areas = [0.0; GROUP];
+                for (area, &vertex) in areas.iter_mut().zip(receivers) {
+                    *area = task.surface.vertices.areas()[vertex as usize];
+                }
+                let mut scores = crate::bake::compress::near_scores(&rows, &areas);
+                scores.sort_by(|a, b| b.total_cmp(a));
+                scores.truncate(most);
+                scores
+            },
+        )
+        .collect();
+    crate::bake::operator::threshold_of(scores.concat(), budget * pilots.len())
+}
+
 /// The operator for the receivers of some partitions.
 fn of_parts(
     task: Task,
@@ -82,7 +108,18 @@ fn of_parts(
     let mut parts_in_order: Vec<u32> = (0..basis.part_count() as u32).collect();
     parts_in_order.sort_by_key(|&part| first_vertex(basis, part));
     let graph = vertex_graph(task.surface);
+    let knobs = crate::bake::knobs::now();
+    let near_threshold = (knobs.near_most > 0.0).then(|| {
+        let budget = Budget::of(task.settings.coefficients).near;
+        let wanted: Vec<(u32, u32)> = groups
+            .iter()
+            .copied()
+            .filter(|&(first, _)| is_wanted(basis.row(first).0))
+            .collect();
+        near_threshold(&task, &wanted, budget)
+    });
     let job = Job {
+        near_threshold,
         surface: task.surface,
         basis,
         graph: &graph,
@@ -141,7 +178,12 @@ impl Job<'_> {
         let quantised: Vec<_> = parts
             .into_par_iter()
             .map(|part| {
-                let rank = rank_of(&part, energy_a_byte);
+                let rank = if crate::bake::knobs::now().equal_rank {
+                    let brings = part.factors.energies.iter().filter(|e| **e > 0.0);
+                    self.budget.rank.min(brings.count())
+                } else {
+                    rank_of(&part, energy_a_byte)
+                };
                 let found = components(
                     &part.factors,
                     &part.functions,
