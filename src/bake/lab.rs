@@ -104,6 +104,13 @@ pub(super) fn weights(surface: &Surface, graph: &VertexGraph) -> (VertexGraph, V
     (weighted, masses)
 }
 
+fn cpu_seconds() -> f64 {
+    let text = std::fs::read_to_string("/proc/self/stat").expect("Linux");
+    let fields: Vec<&str> = text[text.rfind(')').expect("a name")..].split(' ').collect();
+    let number = |at: usize| fields[at].parse::<f64>().expect("a number");
+    (number(12) + number(13)) / 100.0
+}
+
 /// Rays of a vertex's row.
 pub(super) fn rays_of(surface: &Surface, rays: u32, vertex: u32) -> u32 {
     let knobs = knobs::now();
@@ -157,7 +164,7 @@ pub(crate) fn prepare(
         .flat_map(|i| parts.members((2 * i + 1) * count / (2 * pilots)).to_vec())
         .collect();
     vertices.sort_unstable();
-    let start = std::time::Instant::now();
+    let start = cpu_seconds();
     let lists: Vec<KeptArrivals> = vertices
         .par_chunks(32)
         .map(|list| {
@@ -167,7 +174,7 @@ pub(crate) fn prepare(
             KeptArrivals::new(rays, all.map(|(_, (_, hit))| hit))
         })
         .collect();
-    let seconds = start.elapsed().as_secs_f64() / (vertices.len() as f64 * f64::from(rays));
+    let seconds = (cpu_seconds() - start) / (vertices.len() as f64 * f64::from(rays));
     let kept = KeptArrivals::concat(rays, lists).of_some(&vertices, surface.vertices.len());
     surface.kept_arrivals = Some(kept);
     (surface, backs, open, vertices, seconds)

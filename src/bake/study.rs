@@ -9,7 +9,7 @@ use super::audit::{smooth, whole_and_on_basis};
 use super::excitation::Excitation;
 use super::operator::{receiver_groups, vertices_of};
 use super::places::Places;
-use super::test_lights::{Fields, LIGHTS, TestKind, TestLights, light};
+use super::test_lights::{Fields, LIGHTS, TestKind, TestLights};
 use super::transfer::{self, Sampling, sample_group, trace_arrivals, vertex_rays};
 use super::{
     Bake, BakeError, BakeSettings, Importance, Operator, RunSettings, Scheme, low_rank, paper,
@@ -194,17 +194,9 @@ impl<'a> Study<'a> {
     /// The test lights of a seed and their direct light at the vertices (RMS 1).
     pub(crate) fn lights(&self, basis: &Basis, seed: u32) -> (Vec<StudyLight>, VertexFields) {
         let lights = TestLights::of(&self.places, basis, seed);
-        let study = lights
-            .kinds
-            .iter()
-            .enumerate()
-            .map(|(number, &kind)| StudyLight {
-                kind,
-                placed: self
-                    .has_bounces()
-                    .then(|| light(&self.places, kind, [seed, number as u32]))
-                    .flatten(),
-            });
+        let study = super::test_lights::arranged(&self.places, seed)
+            .into_iter()
+            .map(|(kind, placed)| StudyLight { kind, placed });
         (study.collect(), by_vertex(basis, &lights.brightness))
     }
 

@@ -84,17 +84,14 @@ pub(crate) struct TestLights {
 impl TestLights {
     pub(crate) fn of(places: &Places, basis: &Basis, seed: u32) -> Self {
         let (surface, level) = (places.surface(), places.level());
-        let table: &[(TestKind, usize)] = if places.any_sun() { &OPEN } else { &CLOSED };
-        let kinds: Vec<TestKind> = table
-            .iter()
-            .flat_map(|&(kind, count)| std::iter::repeat_n(kind, count))
-            .collect();
+        let lights = arranged(places, seed);
+        let kinds = lights.iter().map(|&(kind, _)| kind).collect();
         let mut brightness = vec![[0.0; LIGHTS]; basis.slot_count()];
         if places.any() {
             let shadows = direct::Shadows::of_surface(surface, level);
-            for (number, &kind) in kinds.iter().enumerate() {
-                let values = match light(places, kind, [seed, number as u32]) {
-                    Some(light) => direct::at_vertices(&shadows, &light)
+            for (number, (_, light)) in lights.iter().enumerate() {
+                let values = match light {
+                    Some(light) => direct::at_vertices(&shadows, light)
                         .iter()
                         .map(|e| e.x)
                         .collect(),
@@ -141,6 +138,63 @@ impl TestLights {
         }
     }
 }
+
+/// The lights of a seed: of every kind as many as the table has. Of
+/// [`CANDIDATES`] times as many random ones, those are taken that stand in the
+/// middle of the order by how evenly they light what hands light on, in equal
+/// steps.
+pub(super) fn arranged(places: &Places, seed: u32) -> Vec<(TestKind, Option<PlacedLight>)> {
+    let table: &[(TestKind, usize)] = if places.any_sun() { &OPEN } else { &CLOSED };
+    let mut lights = Vec::new();
+    for &(kind, count) in table {
+        if kind == TestKind::Sky || !places.any() {
+            lights.extend(std::iter::repeat_n((kind, None), count));
+        } else {
+            let of_kind = arranged_of_kind(places, kind, count, [seed, lights.len() as u32]);
+            lights.extend(of_kind.into_iter().map(|light| (kind, Some(light))));
+        }
+    }
+    lights
+}
+
+fn arranged_of_kind(
+    places: &Places,
+    kind: TestKind,
+    count: usize,
+    [seed, first]: [u32; 2],
+) -> Vec<PlacedLight> {
+    if std::env::var("LAB_OLD").is_ok() {
+        return (0..count as u32)
+            .filter_map(|number| light(places, kind, [seed, first + number]))
+            .collect();
+    }
+    let probes = places.probes(seed);
+    let candidates = (count * CANDIDATES) as u32;
+    let mut found: Vec<(super::places::Footprint, PlacedLight)> = (0..candidates)
+        .into_par_iter()
+        .filter_map(|number| {
+            let light = light(places, kind, [seed, first * CANDIDATES as u32 + number])?;
+            Some((places.footprint(&probes, &light), light))
+        })
+        .collect();
+    let brings = |it: &(super::places::Footprint, PlacedLight)| it.0.indirect_share >= LEAST_INDIRECT;
+    if found.iter().filter(|it| brings(it)).count() >= count {
+        found.retain(brings);
+    }
+    found.sort_by(|a, b| a.0.evenness.total_cmp(&b.0.evenness));
+    (0..count)
+        .map(|step| {
+            let range = step * found.len() / count..(step + 1) * found.len() / count;
+            let mut block: Vec<usize> = range.collect();
+            block.sort_by_key(|&i| found[i].0.brightest);
+            let turn = (step as f64 * 0.618_033_988_749_895 + f64::from(uniform(seed, first, 77))).fract();
+            found[block[(turn * block.len() as f64) as usize]].1.clone()
+        })
+        .collect()
+}
+
+/// Candidates for every light.
+const CANDIDATES: usize = 8;
 
 /// A light with a place or a direction; `None` for a sky.
 pub(super) fn light(

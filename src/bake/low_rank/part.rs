@@ -209,7 +209,7 @@ impl Job<'_> {
                     .iter()
                     .filter(|&&score| score >= threshold)
                     .count();
-                near_split_weighted(&transfer, count.min(most as usize), &areas)
+                near_split_weighted(&transfer, count.min(most as usize).max(4), &areas)
             }
         };
         let mut rows = GroupRows::default();
