@@ -89,19 +89,6 @@ impl Basis {
         finished: &(dyn Fn() + Sync),
         cancelled: &(dyn Fn() -> bool + Sync),
     ) -> Result<Self, BasisError> {
-        let of_part = |part| Laplacian::of_part(graph, partition, part);
-        Self::build_of(partition, functions_per_part, (&of_part, &[]), finished, cancelled)
-    }
-
-    /// The same of other operators; a vertex's values are divided by the root of
-    /// its mass.
-    pub(crate) fn build_of(
-        partition: &Partition,
-        functions_per_part: &[u32],
-        (operator, masses): (&(dyn Fn(usize) -> Laplacian + Sync), &[f64]),
-        finished: &(dyn Fn() + Sync),
-        cancelled: &(dyn Fn() -> bool + Sync),
-    ) -> Result<Self, BasisError> {
         assert_eq!(
             functions_per_part.len(),
             partition.part_count(),
@@ -114,18 +101,11 @@ impl Basis {
                 if cancelled() {
                     return Err(BasisError::Cancelled);
                 }
-                let laplacian = operator(part);
+                let laplacian = Laplacian::of_part(graph, partition, part);
                 let pairs = lowest_eigenpairs(&laplacian, wanted as usize)
                     .map_err(|source| BasisError::Part { part, source })?;
                 finished();
-                let members = partition.members(part);
-                let columns = pairs.vectors.len() / members.len();
-                let root = |entry: usize| {
-                    let vertex = members[entry / columns.max(1)] as usize;
-                    if masses.is_empty() { 1.0 } else { masses[vertex].sqrt() }
-                };
-                let values = pairs.vectors.iter().enumerate();
-                Ok(values.map(|(entry, &value)| (value / root(entry)) as f32).collect())
+                Ok(pairs.vectors.iter().map(|&value| value as f32).collect())
             })
             .collect();
         // The error of the first part that failed wins, whatever the threads do.

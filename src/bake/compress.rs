@@ -69,60 +69,46 @@ pub(super) struct Split {
     pub(super) remainder_noise: Vec<[f32; GROUP]>,
 }
 
-/// Sum over the group of A T^2 of every entry.
-pub(super) fn near_scores(transfer: &GroupTransfer, areas: &[f32; GROUP]) -> Vec<f32> {
-    let score = |weights: &[f32; GROUP]| {
-        let terms = weights.iter().zip(areas);
-        terms.fold(0.0, |sum, (w, area)| sum + area * w * w)
-    };
-    transfer.entries.iter().map(|(_, w)| score(w)).collect()
-}
-
-/// Near field: the senders with the largest sum over the group of A T^2.
-pub(super) fn near_split_weighted(
-    transfer: &GroupTransfer,
-    most: usize,
-    areas: &[f32; GROUP],
-) -> Split {
-    let scores = near_scores(transfer, areas);
-    split_by(transfer, most, |index, _| scores[index])
-}
-
 /// Near field: the senders with the largest sum over the group of T^2.
 pub(super) fn near_split(transfer: &GroupTransfer, most: usize) -> Split {
-    split_by(transfer, most, |_, weights| {
-        weights.iter().fold(0.0, |sum, w| sum + w * w)
-    })
+    let squares = |(_, weights): &(u32, [f32; GROUP])| weights.iter().fold(0.0, |s, w| s + w * w);
+    let scores: Vec<f32> = transfer.entries.iter().map(squares).collect();
+    split_largest(transfer, &scores, most)
 }
 
-fn split_by(
-    transfer: &GroupTransfer,
-    most: usize,
-    score: impl Fn(usize, &[f32; GROUP]) -> f32,
-) -> Split {
-    let mut order: Vec<(f32, u32)> = transfer
-        .entries
-        .iter()
-        .enumerate()
-        .map(|(i, (_, weights))| (score(i, weights), i as u32))
-        .collect();
+/// A group with the `most` entries of the largest scores taken out.
+pub(super) fn split_largest(transfer: &GroupTransfer, scores: &[f32], most: usize) -> Split {
+    let mut order: Vec<u32> = (0..scores.len() as u32).collect();
     let count = most.min(order.len());
     if count < order.len() && count > 0 {
-        order.select_nth_unstable_by(count, |a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+        let score = |i: u32| scores[i as usize];
+        let by_score = |a: &u32, b: &u32| score(*b).total_cmp(&score(*a)).then(a.cmp(b));
+        order.select_nth_unstable_by(count, by_score);
     }
     let mut is_near = vec![false; transfer.entries.len()];
     order[..count]
         .iter()
-        .for_each(|&(_, i)| is_near[i as usize] = true);
+        .for_each(|&i| is_near[i as usize] = true);
+    split(transfer, &is_near)
+}
+
+/// A group with the entries of some senders (ascending) taken out.
+pub(super) fn split_senders(transfer: &GroupTransfer, senders: &[u32]) -> Split {
+    let is_near = |(slot, _): &(u32, [f32; GROUP])| senders.binary_search(slot).is_ok();
+    let is_near: Vec<bool> = transfer.entries.iter().map(is_near).collect();
+    split(transfer, &is_near)
+}
+
+fn split(transfer: &GroupTransfer, is_near: &[bool]) -> Split {
     let pick = |wanted: bool| {
         let chosen = transfer
             .entries
             .iter()
-            .zip(&is_near)
+            .zip(is_near)
             .filter(|&(_, &near)| near == wanted);
         chosen.map(|(&entry, _)| entry).collect::<Vec<_>>()
     };
-    let far = transfer.noise.iter().zip(&is_near);
+    let far = transfer.noise.iter().zip(is_near);
     let remainder_noise = far.filter(|&(_, &near)| !near).map(|(&noise, _)| noise);
     Split {
         near: pick(true),
@@ -299,10 +285,6 @@ impl Compressor<'_> {
             if band == 1.0 {
                 rows.coarse = rows.functions.len() as u32;
             }
-        }
-        if !super::knobs::now().constant {
-            rows.basis_steps = steps;
-            return;
         }
         for lane in 0..GROUP {
             if target[lane] > 0.0 && responses[lane] <= 0.0 {

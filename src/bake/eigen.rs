@@ -185,9 +185,6 @@ impl Found {
             let in_the_gap = below + PLACE_IN_GAP * (above - below);
             eigenvalues_below(laplacian, in_the_gap) == kept
         };
-        if laplacian.is_weighted() {
-            return residual <= RESIDUAL_LIMIT * laplacian.upper_bound();
-        }
         residual <= RESIDUAL_LIMIT && (kept == laplacian.size() || none_missing())
     }
 

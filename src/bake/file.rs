@@ -104,7 +104,6 @@ fn encode_payload(bake: &Bake) -> Vec<u8> {
 
     match &bake.operator {
         Operator::LowRank(operator) => out.low_rank(operator),
-        Operator::Sparse(_) => unreachable!("of the laboratory"),
         Operator::Paper(rows) => out.paper_rows(rows),
     }
     // A closed scene has no byte for the sky.

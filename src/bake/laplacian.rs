@@ -13,9 +13,6 @@ use super::partition::Partition;
 pub(crate) struct Laplacian {
     offsets: Vec<u32>,
     neighbours: Vec<u32>,
-    /// Off the diagonal, less; empty: 1.
-    entries: Vec<f64>,
-    diagonal: Vec<f64>,
 }
 
 impl Laplacian {
@@ -41,41 +38,6 @@ impl Laplacian {
         Self::from_rows(vertices.map(|vertex| graph.neighbours(vertex).to_vec()))
     }
 
-    /// D^-1/2 L D^-1/2 of the weights (costs / 1000) of a graph's edges and masses
-    /// D.
-    pub(crate) fn weighted(
-        graph: &VertexGraph,
-        partition: &Partition,
-        part: usize,
-        masses: &[f64],
-    ) -> Self {
-        let mut out = Self::of_part(graph, partition, part);
-        let members = partition.members(part);
-        for &vertex in members {
-            let mass = masses[vertex as usize];
-            let mut sum = 0.0;
-            for (other, cost) in graph.edges_of(vertex) {
-                if partition.part_of(other) as usize != part {
-                    continue;
-                }
-                let weight = f64::from(cost) / 1000.0;
-                sum += weight;
-                out.entries
-                    .push(weight / (mass * masses[other as usize]).sqrt());
-            }
-            out.diagonal.push(sum / mass);
-        }
-        out
-    }
-
-    pub(crate) fn is_weighted(&self) -> bool {
-        !self.diagonal.is_empty()
-    }
-
-    fn weights(&self, row: usize) -> &[f64] {
-        &self.entries[self.offsets[row] as usize..self.offsets[row + 1] as usize]
-    }
-
     fn from_rows(rows: impl Iterator<Item = Vec<u32>>) -> Self {
         let mut offsets = vec![0];
         let mut neighbours = Vec::new();
@@ -86,8 +48,6 @@ impl Laplacian {
         Self {
             offsets,
             neighbours,
-            entries: Vec::new(),
-            diagonal: Vec::new(),
         }
     }
 
@@ -103,21 +63,12 @@ impl Laplacian {
 
     /// Diagonal entry of a row: its number of neighbours.
     pub(crate) fn degree(&self, row: usize) -> f64 {
-        if self.is_weighted() {
-            return self.diagonal[row];
-        }
         self.neighbours(row).len() as f64
     }
 
     /// Bound of the eigenvalues from above: the largest sum of the two degrees
     /// of an edge (Anderson and Morley 1985). 0 without edges.
     pub(crate) fn upper_bound(&self) -> f64 {
-        if self.is_weighted() {
-            return (0..self.size()).fold(0.0, |largest: f64, row| {
-                let sum = self.diagonal[row] + self.weights(row).iter().sum::<f64>();
-                if sum > largest { sum } else { largest }
-            });
-        }
         let mut largest = 0;
         for row in 0..self.size() {
             let degree = self.neighbours(row).len();
@@ -137,15 +88,10 @@ impl Laplacian {
             for (out, &value) in out.iter_mut().zip(own) {
                 *out = degree * value;
             }
-            for (index, &neighbour) in self.neighbours(row).iter().enumerate() {
-                let weight = if self.is_weighted() {
-                    self.weights(row)[index]
-                } else {
-                    1.0
-                };
+            for &neighbour in self.neighbours(row) {
                 let other = &x[neighbour as usize * columns..][..columns];
                 for (out, &value) in out.iter_mut().zip(other) {
-                    *out -= weight * value;
+                    *out -= value;
                 }
             }
         }
@@ -166,15 +112,10 @@ impl Laplacian {
             for (out, &value) in out.iter_mut().zip(own) {
                 *out = diagonal * value - terms.previous * *out;
             }
-            for (index, &neighbour) in self.neighbours(row).iter().enumerate() {
-                let factor = if self.is_weighted() {
-                    terms.factor * self.weights(row)[index]
-                } else {
-                    terms.factor
-                };
+            for &neighbour in self.neighbours(row) {
                 let other = &x[neighbour as usize * columns..][..columns];
                 for (out, &value) in out.iter_mut().zip(other) {
-                    *out -= factor * value;
+                    *out -= terms.factor * value;
                 }
             }
         }
@@ -186,13 +127,8 @@ impl Laplacian {
         let mut dense = vec![0.0; size * size];
         for row in 0..size {
             dense[row * size + row] = self.degree(row);
-            for (index, &neighbour) in self.neighbours(row).iter().enumerate() {
-                let weight = if self.is_weighted() {
-                    self.weights(row)[index]
-                } else {
-                    1.0
-                };
-                dense[row * size + neighbour as usize] = -weight;
+            for &neighbour in self.neighbours(row) {
+                dense[row * size + neighbour as usize] = -1.0;
             }
         }
         dense

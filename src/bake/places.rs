@@ -34,7 +34,6 @@ const OPEN_SHARE: f64 = super::sky::OPEN_SHARE;
 
 /// Least mass of a vertex in the basis, of the mean: what 64 rays do not see
 /// may still be seen by others.
-#[allow(dead_code)]
 const LEAST_MASS: f64 = 0.02;
 
 /// Tries to find a place with room around it.
@@ -85,27 +84,6 @@ impl View {
             skies,
         }
     }
-}
-
-/// Probes of [`Places::probes`], and their seed.
-const PROBES: u32 = 512;
-const PROBE_SEED: u32 = 0x9e0b;
-
-/// A point that lights are looked at by.
-pub(super) struct Probe {
-    vertex: u32,
-    point: SurfacePoint,
-    arrived: f32,
-}
-
-/// What a light does to the probes.
-pub(super) struct Footprint {
-    /// (sum E)^2 / sum E^2: how many probes it lights, as it were.
-    pub(super) evenness: f64,
-    /// Share of it that arrives at another surface.
-    pub(super) indirect_share: f64,
-    /// Vertex of the brightest probe.
-    pub(super) brightest: u32,
 }
 
 /// What the rays of every vertex found.
@@ -224,11 +202,10 @@ impl<'a> Places<'a> {
         let mean = products.iter().sum::<f64>() / products.len().max(1) as f64;
         let share = |product: f64| {
             let share = product / mean;
-            let least = super::knobs::now().least_mass;
-            if share > least {
+            if share > LEAST_MASS {
                 share as f32
             } else {
-                least as f32
+                LEAST_MASS as f32
             }
         };
         if mean > 0.0 {
@@ -323,41 +300,11 @@ impl<'a> Places<'a> {
         best.1
     }
 
-    /// Points that stand for all that hands light on.
-    pub(super) fn probes(&self, seed: u32) -> Vec<Probe> {
-        (0..PROBES)
-            .map(|index| {
-                let u = |dimension| uniform(seed ^ PROBE_SEED, index, dimension);
-                let vertex = pick(&self.cumulative, (index as f32 + u(0)) / PROBES as f32);
-                Probe {
-                    vertex: vertex as u32,
-                    point: self.surface.sample_point(vertex, [u(1), u(2)]),
-                    arrived: self.arrived[vertex],
-                }
-            })
-            .collect()
-    }
-
-    /// What a light does to the probes.
-    pub(super) fn footprint(&self, probes: &[Probe], light: &crate::scene::PlacedLight) -> Footprint {
-        let shadows = crate::surface::direct::Shadows::of_surface(self.surface, self.level);
-        let points = crate::surface::direct::LightPoints::of(PROBE_SEED, 0, 0, 1);
-        let (mut sum, mut squares, mut all) = (0.0, 0.0, 0.0);
-        let mut brightest = (0.0, 0);
-        for probe in probes {
-            let value = f64::from(shadows.irradiance(light, &probe.point, points).x);
-            sum += value;
-            squares += value * value;
-            all += value / f64::from(probe.arrived);
-            if value > brightest.0 {
-                brightest = (value, probe.vertex);
-            }
-        }
-        Footprint {
-            evenness: if squares > 0.0 { sum * sum / squares } else { 0.0 },
-            indirect_share: if all > 0.0 { sum / all } else { 0.0 },
-            brightest: brightest.1,
-        }
+    /// The vertex in which a share (0 to 1) of all that is handed on ends, and the
+    /// share of its rays that arrive (above 0).
+    pub(super) fn hands_on(&self, share: f32) -> (usize, f64) {
+        let vertex = pick(&self.cumulative, share);
+        (vertex, f64::from(self.arrived[vertex]))
     }
 
     /// A random surface point that hands light on.

@@ -89,8 +89,6 @@ impl Partitioner {
 pub(crate) enum Operator {
     /// A near field, and a low-rank product for the rest.
     LowRank(Box<LowRank>),
-    /// Lists shared by eight.
-    Sparse(super::rows::Rows),
     /// A list a receiver, as published.
     Paper(PaperRows),
 }
@@ -105,10 +103,6 @@ impl Operator {
     ) -> Vec<[f32; 3]> {
         match self {
             Self::LowRank(rows) => rows.apply(level, basis, radiosity),
-            Self::Sparse(rows) => {
-                let functions = basis.project_rgb(level, radiosity);
-                super::apply_rows(level, rows, radiosity, &functions)
-            }
             Self::Paper(rows) => rows.apply(level, basis, radiosity),
         }
     }
@@ -126,8 +120,16 @@ impl Operator {
                     })
                     .collect()
             }
-            Self::Sparse(_) => Vec::new(),
             Self::Paper(rows) => rows.without_senders(),
+        }
+    }
+
+    /// Senders (slots, ascending) of the near field of the group that begins with
+    /// a slot.
+    pub(super) fn near_of(&self, first_slot: u32) -> Vec<u32> {
+        match self {
+            Self::LowRank(rows) => rows.near_of(first_slot),
+            Self::Paper(_) => Vec::new(),
         }
     }
 
@@ -135,7 +137,6 @@ impl Operator {
     pub(crate) fn bytes(&self) -> usize {
         match self {
             Self::LowRank(rows) => rows.bytes(),
-            Self::Sparse(rows) => rows.bytes(),
             Self::Paper(rows) => rows.bytes(),
         }
     }
@@ -144,7 +145,6 @@ impl Operator {
     pub(crate) fn coefficients_per_vertex(&self) -> f64 {
         match self {
             Self::LowRank(rows) => rows.coefficients_per_vertex(),
-            Self::Sparse(rows) => rows.coefficients_per_vertex(),
             Self::Paper(rows) => rows.coefficients_per_vertex(),
         }
     }

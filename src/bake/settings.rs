@@ -1,7 +1,7 @@
 //! Settings that change a bake's bits.
 
+use super::paper;
 use super::scheme::Scheme;
-use super::{low_rank, paper};
 use crate::scene::BakeKeys;
 
 /// Rays a vertex. Error of one bounce in per cent at 1,024, 4,096 and 8,192: the
@@ -24,7 +24,7 @@ pub struct BakeSettings {
     pub scheme: Scheme,
     /// Rays a lighting vertex.
     pub rays: u32,
-    /// Basis functions in all; `None`: 32 for 1,000 vertices, in the published
+    /// Basis functions in all; `None`: 64 for 1,000 vertices, in the published
     /// scheme 1,024.
     pub functions: Option<u32>,
     /// Coefficients a vertex in the mean, near field included; in the published
@@ -83,14 +83,6 @@ impl BakeSettings {
         match self.scheme {
             Scheme::Relume => self.vertices_per_part,
             Scheme::Paper => paper::vertices_per_part(vertices),
-        }
-    }
-
-    /// Entries of a vertex's near field.
-    pub(super) fn near_entries(&self) -> usize {
-        match self.scheme {
-            Scheme::Relume => low_rank::Budget::of(self.coefficients).near,
-            Scheme::Paper => 0,
         }
     }
 

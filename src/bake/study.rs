@@ -97,12 +97,12 @@ pub(crate) struct StudyLight {
 
 /// What bakes of one surface share.
 pub(crate) struct Study<'a> {
-    pub(super) surface: &'a Surface,
-    pub(super) places: Places<'a>,
-    pub(super) backs: Vec<bool>,
-    pub(super) open_points: Vec<u8>,
+    surface: &'a Surface,
+    places: Places<'a>,
+    backs: Vec<bool>,
+    open_points: Vec<u8>,
     /// Brightness of every prior light at the vertices.
-    pub(super) priors: Vec<Vec<f32>>,
+    priors: Vec<Vec<f32>>,
 }
 
 impl<'a> Study<'a> {
@@ -194,10 +194,10 @@ impl<'a> Study<'a> {
     /// The test lights of a seed and their direct light at the vertices (RMS 1).
     pub(crate) fn lights(&self, basis: &Basis, seed: u32) -> (Vec<StudyLight>, VertexFields) {
         let lights = TestLights::of(&self.places, basis, seed);
-        let study = super::test_lights::arranged(&self.places, seed)
-            .into_iter()
-            .map(|(kind, placed)| StudyLight { kind, placed });
-        (study.collect(), by_vertex(basis, &lights.brightness))
+        let fields = by_vertex(basis, &lights.brightness);
+        let study = lights.lights.into_iter();
+        let study = study.map(|(kind, placed)| StudyLight { kind, placed });
+        (study.collect(), fields)
     }
 
     /// Direct light of a lamp 0.02 extents from a corner, and of a patch with a
@@ -325,14 +325,14 @@ impl<'a> Study<'a> {
             slot_of_vertex: basis.slot_of_vertex(),
             rays: settings.rays,
         };
-        let near = settings.near_entries();
         let found: Vec<[Vec<[f32; LIGHTS]>; 2]> = receiver_groups(basis)
             .par_iter()
             .map_init(
                 || transfer::Scratch::new(basis.slot_count()),
                 |scratch, &group| {
                     let rows = sample_group(&sampling, vertices_of(basis, group), scratch);
-                    whole_and_on_basis(&rows, near, group.1 as usize, &fields, &kept)
+                    let near = bake.operator().near_of(group.0);
+                    whole_and_on_basis(&rows, &near, group.1 as usize, &fields, &kept)
                 },
             )
             .collect();

@@ -22,7 +22,7 @@ pub(crate) const GROUP: usize = 8;
 /// Vertices whose rays one task of [`trace_arrivals`] traces.
 const VERTICES_PER_TASK: usize = 32;
 /// Seed of the transfer's rays.
-pub(super) const SEED: u32 = 0x7a45;
+const SEED: u32 = 0x7a45;
 /// A row whose first rays have all escaped, so many, has no more of them: the
 /// outsides of walls, nearly half of the vertices of a room with a window, would
 /// take as many rays as its inside. One that still sees a surface sees less than
@@ -228,21 +228,20 @@ pub(super) fn vertex_rays(
 fn sample_row(sampling: &Sampling, vertex: u32, lane: usize, scratch: &mut Scratch) -> RayCounts {
     let surface = sampling.surface;
     let mut counts = RayCounts::default();
-    let rays = super::lab::rays_of(surface, sampling.rays, vertex);
-    if let Some(kept) = kept_row(surface, rays).filter(|kept| kept.has(vertex)) {
-        for hit in kept.of_vertex(vertex, rays) {
-            add_arrival((sampling, rays), hit, lane, scratch, &mut counts);
+    if let Some(kept) = kept_row(surface, sampling.rays) {
+        for hit in kept.of_vertex(vertex, sampling.rays) {
+            add_arrival(sampling, hit, lane, scratch, &mut counts);
             if counts.sees_nothing() {
                 break;
             }
         }
         return counts;
     }
-    for (index, (direction, hit)) in row_rays(surface, sampling.level, vertex, rays) {
+    for (index, (direction, hit)) in row_rays(surface, sampling.level, vertex, sampling.rays) {
         if hit.is_none() {
             scratch.escapes[lane].push((index, cell_of(direction) as u16));
         }
-        add_arrival((sampling, rays), hit, lane, scratch, &mut counts);
+        add_arrival(sampling, hit, lane, scratch, &mut counts);
         if counts.sees_nothing() {
             break;
         }
@@ -252,13 +251,13 @@ fn sample_row(sampling: &Sampling, vertex: u32, lane: usize, scratch: &mut Scrat
 
 /// Adds where the next ray of a receiver arrives to its lane.
 fn add_arrival(
-    (sampling, rays): (&Sampling, u32),
+    sampling: &Sampling,
     arrival: Option<Arrival>,
     lane: usize,
     scratch: &mut Scratch,
     counts: &mut RayCounts,
 ) {
-    let is_first_half = counts.traced < rays / 2;
+    let is_first_half = counts.traced < sampling.rays / 2;
     counts.traced += 1;
     let Some(hit) = arrival else {
         counts.escaped += 1;
@@ -321,7 +320,7 @@ fn add_sky(
     open: &[u16],
     scratch: &mut Scratch,
 ) {
-    if sampling.surface.kept_arrivals.is_some() {
+    if kept_row(sampling.surface, sampling.rays).is_some() {
         // A study looks at what surfaces exchange; nobody asks its rows for the sky.
         return;
     }

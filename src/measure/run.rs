@@ -201,7 +201,7 @@ fn transfer_chapters(
 }
 
 /// Colour of the vertices.
-pub(super) fn albedo(scene: &Scene, surface: &Surface) -> Vec<Vec3> {
+fn albedo(scene: &Scene, surface: &Surface) -> Vec<Vec3> {
     let mut colours = VertexColours::default();
     colours.update(scene, surface);
     colours.albedo(scene, surface)

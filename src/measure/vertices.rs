@@ -16,7 +16,7 @@ use crate::surface::Surface;
 
 /// Seeds of this report alone: of its lights, of the rows in between and of the
 /// last rows of both halves.
-const LIGHT_SEED: u32 = 0x4e90_47ed;
+pub(super) const LIGHT_SEED: u32 = 0x4e90_47ed;
 const ROW_SEEDS: [u32; 2] = [0x4e90_0001, 0x4e90_0002];
 const LAST_SEEDS: [u32; 2] = [0x4e90_0003, 0x4e90_0004];
 /// Rays a vertex of the rows in between, each half: their noise of 3 % is
@@ -262,7 +262,7 @@ fn by_many_points(
 }
 
 /// Fields times a value a vertex.
-pub(super) fn times(factors: &[f32], fields: &VertexFields) -> VertexFields {
+fn times(factors: &[f32], fields: &VertexFields) -> VertexFields {
     let rows = factors.iter().zip(fields.rows());
     VertexFields {
         width: fields.width,
@@ -272,7 +272,7 @@ pub(super) fn times(factors: &[f32], fields: &VertexFields) -> VertexFields {
     }
 }
 
-pub(super) fn plus(a: &VertexFields, b: &VertexFields) -> VertexFields {
+fn plus(a: &VertexFields, b: &VertexFields) -> VertexFields {
     VertexFields {
         width: a.width,
         values: a.values.iter().zip(&b.values).map(|(a, b)| a + b).collect(),

@@ -9,8 +9,6 @@ const ESCAPED: u32 = u32::MAX;
 /// Where the rays of every vertex arrive, as many of each. 16 bytes a ray.
 pub(crate) struct KeptArrivals {
     rays: u32,
-    /// Row of each vertex; empty: its own number.
-    rows: Vec<u32>,
     /// Triangle x 2 + front, and the bits of the barycentric coordinates.
     sites: Vec<[u32; 4]>,
 }
@@ -20,7 +18,6 @@ impl KeptArrivals {
     pub(crate) fn new(rays: u32, arrivals: impl Iterator<Item = Option<Arrival>>) -> Self {
         Self {
             rays,
-            rows: Vec::new(),
             sites: arrivals.map(site).collect(),
         }
     }
@@ -29,22 +26,8 @@ impl KeptArrivals {
     pub(crate) fn concat(rays: u32, lists: Vec<Self>) -> Self {
         Self {
             rays,
-            rows: Vec::new(),
             sites: lists.into_iter().flat_map(|list| list.sites).collect(),
         }
-    }
-
-    /// The same list as that of some vertices of so many.
-    pub(crate) fn of_some(mut self, vertices: &[u32], count: usize) -> Self {
-        self.rows = vec![u32::MAX; count];
-        for (row, &vertex) in vertices.iter().enumerate() {
-            self.rows[vertex as usize] = row as u32;
-        }
-        self
-    }
-
-    pub(crate) fn has(&self, vertex: u32) -> bool {
-        self.rows.is_empty() || self.rows[vertex as usize] != u32::MAX
     }
 
     /// Rays of each vertex.
@@ -58,12 +41,7 @@ impl KeptArrivals {
         vertex: u32,
         count: u32,
     ) -> impl Iterator<Item = Option<Arrival>> {
-        let row = if self.rows.is_empty() {
-            vertex
-        } else {
-            self.rows[vertex as usize]
-        };
-        let first = row as usize * self.rays as usize;
+        let first = vertex as usize * self.rays as usize;
         self.sites[first..first + count as usize]
             .iter()
             .map(arrival)

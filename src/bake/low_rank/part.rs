@@ -4,11 +4,10 @@
 use rayon::prelude::*;
 
 use super::factor::{Factors, Matrix, factorise};
+use super::near::{self, NearRule};
 use super::smooth::{Neighbours, smooth};
 use crate::bake::basis::Basis;
-use crate::bake::compress::{
-    EMPTY_REMAINDER, near_scores, near_split, near_split_weighted, quantise_near,
-};
+use crate::bake::compress::{EMPTY_REMAINDER, quantise_near};
 use crate::bake::graph::VertexGraph;
 use crate::bake::operator::{SkyRows, vertices_of};
 use crate::bake::rows::GroupRows;
@@ -38,20 +37,19 @@ const GROUPS_PER_TASK: usize = 8;
 /// How the entries of a vertex are spent.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(in crate::bake) struct Budget {
-    /// Entries of the near field.
+    /// Entries of the near field in the mean.
     pub(in crate::bake) near: usize,
     /// Components in the mean.
     pub(in crate::bake) rank: usize,
 }
 
 /// Share of a row's entries that goes to the near field.
-#[allow(dead_code)]
-const NEAR_SHARE: f64 = 0.4;
+pub(in crate::bake) const NEAR_SHARE: f64 = 0.4;
 
 impl Budget {
     /// Splits `coefficients` entries a vertex.
     pub(in crate::bake) fn of(coefficients: u32) -> Self {
-        let near = (f64::from(coefficients) * crate::bake::knobs::now().near_share).round() as usize;
+        let near = (f64::from(coefficients) * NEAR_SHARE).round() as usize;
         Self {
             near,
             rank: coefficients as usize - near,
@@ -67,8 +65,8 @@ pub(super) struct Job<'a> {
     pub(super) sampling: Sampling<'a>,
     pub(super) importance: &'a Importance,
     pub(super) budget: Budget,
+    pub(super) near: NearRule,
     pub(super) sky: &'a SkyRows<'a>,
-    pub(super) near_threshold: Option<f32>,
     /// Partitions by their first vertices: an order that does not depend on how
     /// they are numbered, and nor do the sums over them then.
     pub(super) parts_in_order: &'a [u32],
@@ -136,14 +134,11 @@ impl Job<'_> {
         let (noise, _) = self.whitened(&found, &roots_of_area, |group| &group.noise);
         let most = (self.budget.rank as f64 * MOST_RANK) as usize + MORE_RANK;
         let (mut factors, noise) = factorise(run.level, &y, &noise, most.min(y.rows));
-        let knobs = crate::bake::knobs::now();
-        if !factors.energies.is_empty() && knobs.smoothing {
+        if !factors.energies.is_empty() {
             let neighbours = Neighbours::of_part(self.graph, self.basis, part);
             smooth(&mut factors, &noise, &roots_of_area, &neighbours);
         }
-        if knobs.leave_noise {
-            leave_noise_out(&mut factors);
-        }
+        leave_noise_out(&mut factors);
         let (factors, functions) = without_forgotten(factors, functions);
         let mut out = FoundPart {
             near: Vec::new(),
@@ -181,14 +176,6 @@ impl Job<'_> {
         }
     }
 
-    pub(super) fn areas(&self, receivers: &[u32]) -> [f32; GROUP] {
-        let mut areas = [0.0; GROUP];
-        for (area, &vertex) in areas.iter_mut().zip(receivers) {
-            *area = self.surface.vertices.areas()[vertex as usize];
-        }
-        areas
-    }
-
     fn scratch(&self) -> Scratch {
         Scratch {
             transfer: transfer::Scratch::new(self.basis.slot_count()),
@@ -200,18 +187,8 @@ impl Job<'_> {
     fn group(&self, group: (u32, u32), scratch: &mut Scratch) -> FoundGroup {
         let receivers = vertices_of(self.basis, group);
         let transfer = sample_group(&self.sampling, receivers, &mut scratch.transfer);
-        let split = match self.near_threshold {
-            None => near_split(&transfer, self.budget.near),
-            Some(threshold) => {
-                let areas = self.areas(receivers);
-                let most = self.budget.near as f64 * crate::bake::knobs::now().near_most;
-                let count = near_scores(&transfer, &areas)
-                    .iter()
-                    .filter(|&&score| score >= threshold)
-                    .count();
-                near_split_weighted(&transfer, count.min(most as usize).max(4), &areas)
-            }
-        };
+        let scores = near::scores(self.surface, receivers, &transfer);
+        let split = self.near.split(&transfer, &scores);
         let mut rows = GroupRows::default();
         let sums = quantise_near(&split.near, &mut rows);
         let mut targets = [0.0; GROUP];

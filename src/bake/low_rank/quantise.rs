@@ -13,8 +13,7 @@ const FUNCTION_BYTES: f64 = 10.0;
 /// brings, each for its bytes. Error in per cent and bytes a vertex at 1, 2 and 4:
 /// the window's room 3.57, 3.60, 3.66 and 111, 104, 98; at 4 the statues' hall,
 /// whose partitions see five times as many functions, has 169 bytes.
-#[allow(dead_code)]
-const FUNCTION_THRESHOLD: f64 = 4.0;
+pub(in crate::bake) const FUNCTION_THRESHOLD: f64 = 4.0;
 /// Scaling a receiver's components by more is no correction any longer: then
 /// the shortest change of its row makes up for what is missing.
 const RESPONSE_RANGE: std::ops::RangeInclusive<f64> = 0.5..=2.0;
@@ -47,7 +46,7 @@ pub(super) fn components(
     };
     for first in (0..rank).step_by(GROUP) {
         let count = GROUP.min(rank - first);
-        let threshold = energy_a_byte * FUNCTION_BYTES * crate::bake::knobs::now().function_threshold;
+        let threshold = energy_a_byte * FUNCTION_BYTES * FUNCTION_THRESHOLD;
         let group = component_group(&factors.right, functions, first..first + count, threshold);
         let mut responses = [0.0_f64; GROUP];
         for (index, (&k, values)) in group.functions.iter().zip(&group.coefficients).enumerate() {
@@ -132,11 +131,7 @@ pub(super) fn spread(
     for lane in 0..count {
         let root = roots_of_area[first + lane];
         let row = left.row(first + lane)[..rank].iter().map(|u| u / root);
-        let row = if crate::bake::knobs::now().constant {
-            answering(row.collect(), &components.constant, targets[lane])
-        } else {
-            row.collect()
-        };
+        let row = answering(row.collect(), &components.constant, targets[lane]);
         for (lanes, value) in lanes.iter_mut().zip(row) {
             lanes[lane] = value;
         }
@@ -159,10 +154,6 @@ pub(super) fn spread(
         rows.coefficients.push(quantised);
     }
     rows.coarse = rank as u32;
-    if !crate::bake::knobs::now().constant {
-        rows.basis_steps = steps;
-        return;
-    }
     for lane in 0..GROUP {
         let (target, response) = (targets[lane], responses[lane]);
         if target <= 0.0 {

@@ -5,11 +5,12 @@
 use rayon::prelude::*;
 
 use super::LowRank;
+use super::near::{self, NearRule};
 use super::part::{Budget, FoundPart, Job};
 use super::quantise::{components, spread};
 use crate::bake::basis::Basis;
 use crate::bake::neighbours::vertex_graph;
-use crate::bake::operator::{SkyRows, receiver_groups};
+use crate::bake::operator::{SkyRows, of_pilots, receiver_groups};
 use crate::bake::rows::{GroupRows, Rows};
 use crate::bake::sky::Sky;
 use crate::bake::stats::{BakeStats, GroupStats};
@@ -17,17 +18,22 @@ use crate::bake::transfer::{GROUP, Sampling};
 use crate::bake::{BakeError, BakeSettings, Importance, RunSettings};
 use crate::surface::Surface;
 
+/// Groups of some partitions alone that their near field is measured by.
+const FEW_PILOT_GROUPS: usize = 64;
+
 /// Samples, factors and quantises all rows, and those of the sky where the scene
 /// is open.
 pub(in crate::bake) fn sampled_rows(
     task: Task,
 ) -> Result<(LowRank, Option<Sky>, BakeStats), BakeError> {
     let groups = receiver_groups(task.basis);
-    let sky = SkyRows::new(task.basis, task.sampling(), &groups);
+    let ask = |vertices: &[u32], rows: &_| near::scores(task.surface, vertices, rows);
+    let (sky, scores) = SkyRows::new(task.basis, task.sampling(), &groups, ask);
+    let near = NearRule::of_pilots(scores, Budget::of(task.settings.coefficients).near);
     if task.run.progress.cancelled() {
         return Err(BakeError::Cancelled);
     }
-    let found = of_parts(task, &sky, |_| true)?;
+    let found = of_parts(task, (&sky, near), |_| true)?;
     let sky = sky.finish(&found.stats, &found.sky);
     let stats = BakeStats::of(&found.stats, task.settings, found.last_energy as f32);
     Ok((found.operator, sky, stats))
@@ -37,7 +43,21 @@ pub(in crate::bake) fn sampled_rows(
 /// others are left in the dark.
 pub(in crate::bake) fn pilot_rows(task: Task, is_pilot: &[bool]) -> Result<LowRank, BakeError> {
     let sky = SkyRows::unlimited(&[]);
-    let found = of_parts(task, &sky, |part| is_pilot[part as usize])?;
+    let wanted = |group: &(u32, u32)| is_pilot[task.basis.row(group.0).0 as usize];
+    let groups: Vec<_> = receiver_groups(task.basis)
+        .into_iter()
+        .filter(wanted)
+        .collect();
+    let scores = of_pilots(
+        task.basis,
+        task.sampling(),
+        &groups,
+        FEW_PILOT_GROUPS,
+        || (),
+        |(), vertices, rows| near::scores(task.surface, vertices, rows),
+    );
+    let near = NearRule::of_pilots(scores, Budget::of(task.settings.coefficients).near);
+    let found = of_parts(task, (&sky, near), |part| is_pilot[part as usize])?;
     Ok(found.operator)
 }
 
@@ -71,36 +91,10 @@ impl<'a> Task<'a> {
     }
 }
 
-fn near_threshold(task: &Task, groups: &[(u32, u32)], budget: usize) -> f32 {
-    let stride = groups.len().div_ceil(256).max(1);
-    let pilots: Vec<_> = groups.iter().skip(stride / 2).step_by(stride).collect();
-    let most = (budget as f64 * crate::bake::knobs::now().near_most) as usize;
-    let sampling = task.sampling();
-    let scores: Vec<Vec<f32>> = pilots
-        .par_iter()
-        .map_init(
-            || crate::bake::transfer::Scratch::new(task.basis.slot_count()),
-            |scratch, group| {
-                let receivers = crate::bake::operator::vertices_of(task.basis, **group);
-                let rows = crate::bake::transfer::sample_group(&sampling, receivers, scratch);
-                let mut areas = [0.0; GROUP];
-                for (area, &vertex) in areas.iter_mut().zip(receivers) {
-                    *area = task.surface.vertices.areas()[vertex as usize];
-                }
-                let mut scores = crate::bake::compress::near_scores(&rows, &areas);
-                scores.sort_by(|a, b| b.total_cmp(a));
-                scores.truncate(most);
-                scores
-            },
-        )
-        .collect();
-    crate::bake::operator::threshold_of(scores.concat(), budget * pilots.len())
-}
-
 /// The operator for the receivers of some partitions.
 fn of_parts(
     task: Task,
-    sky: &SkyRows,
+    (sky, near): (&SkyRows, NearRule),
     is_wanted: impl Fn(u32) -> bool + Sync,
 ) -> Result<Found, BakeError> {
     let (basis, run) = (task.basis, task.run);
@@ -108,18 +102,7 @@ fn of_parts(
     let mut parts_in_order: Vec<u32> = (0..basis.part_count() as u32).collect();
     parts_in_order.sort_by_key(|&part| first_vertex(basis, part));
     let graph = vertex_graph(task.surface);
-    let knobs = crate::bake::knobs::now();
-    let near_threshold = (knobs.near_most > 0.0).then(|| {
-        let budget = Budget::of(task.settings.coefficients).near;
-        let wanted: Vec<(u32, u32)> = groups
-            .iter()
-            .copied()
-            .filter(|&(first, _)| is_wanted(basis.row(first).0))
-            .collect();
-        near_threshold(&task, &wanted, budget)
-    });
     let job = Job {
-        near_threshold,
         surface: task.surface,
         basis,
         graph: &graph,
@@ -127,6 +110,7 @@ fn of_parts(
         sampling: task.sampling(),
         importance: task.importance,
         budget: Budget::of(task.settings.coefficients),
+        near,
         sky,
     };
     run.progress.stage("transfer", groups.len() as u64);
@@ -178,12 +162,7 @@ impl Job<'_> {
         let quantised: Vec<_> = parts
             .into_par_iter()
             .map(|part| {
-                let rank = if crate::bake::knobs::now().equal_rank {
-                    let brings = part.factors.energies.iter().filter(|e| **e > 0.0);
-                    self.budget.rank.min(brings.count())
-                } else {
-                    rank_of(&part, energy_a_byte)
-                };
+                let rank = rank_of(&part, energy_a_byte);
                 let found = components(
                     &part.factors,
                     &part.functions,

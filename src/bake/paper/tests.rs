@@ -40,7 +40,7 @@ fn baked(scene: &Scene, coefficients: u32, level: Level) -> (Surface, Bake) {
 fn paper_rows(bake: &Bake) -> &PaperRows {
     match &bake.operator {
         Operator::Paper(rows) => rows,
-        _ => panic!("the scheme is the published one"),
+        Operator::LowRank(_) => panic!("the scheme is the published one"),
     }
 }
 
