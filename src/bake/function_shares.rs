@@ -9,7 +9,11 @@ const SMALLEST_SHARE: f64 = 1e-12;
 /// What parts get functions by: the root of what each hands on of light of 1 (the
 /// sum of its vertices' masses) times its number of vertices.
 ///
-/// @TABLE_SHARE@
+/// Error of one bounce in per cent by area, by vertices, by what is handed on, and by
+/// this root, under tuning lights: cornell 1.65, 1.60, 1.44, 1.40; window 4.00, 3.97,
+/// 3.54, 3.46; sheet 2.37, 2.24, 1.97, 1.85; statues 4.53, 2.96, 3.52, 3.02. By area
+/// alone small dense bodies have no functions to speak of (a spot on a statue was
+/// 240 % wrong), and the outsides of walls have half of them.
 pub(super) fn root_shares(handed_on: &[f64], sizes: &[usize]) -> Vec<f64> {
     let pairs = handed_on.iter().zip(sizes);
     pairs

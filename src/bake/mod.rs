@@ -103,10 +103,14 @@ pub(crate) fn light_seeds() -> Vec<u32> {
 
 /// Constants that the table of methods chose, by the names of its knobs.
 #[cfg(test)]
-pub(crate) fn chosen_by() -> [(&'static str, f64); 2] {
+pub(crate) fn chosen_by() -> [(&'static str, f64); 3] {
     [
         ("near share", low_rank::NEAR_SHARE),
         ("threshold of functions in V", low_rank::FUNCTION_THRESHOLD),
+        (
+            "noise counts",
+            f64::from((low_rank::NOISE_COUNTS * 100.0).round()) / 100.0,
+        ),
     ]
 }
 

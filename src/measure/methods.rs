@@ -11,10 +11,6 @@ use crate::report::Section;
 
 /// The recorded table.
 const TABLE: &str = include_str!("methods.csv");
-/// Head of its columns.
-const HEAD: &str = "knob,variant,chosen,scene,entries,one_mean,one_p95,one_signed,four_mean,\
-                    four_p95,four_signed,bytes,cpu_seconds";
-
 /// What was found of one variant in one scene. Errors in per cent; `None`: not
 /// measured.
 #[derive(Debug, Clone, PartialEq)]
@@ -126,6 +122,10 @@ mod tests {
     use crate::measure::vertices::LIGHT_SEED;
     use crate::scene::BakeKeys;
 
+    /// Head of the table's columns.
+    const HEAD: &str = "knob,variant,chosen,scene,entries,one_mean,one_p95,one_signed,four_mean,\
+                        four_p95,four_signed,bytes,cpu_seconds";
+
     /// The number that a remark of the table's head begins with this word.
     fn recorded_seed() -> u32 {
         let remark = remarks()
@@ -152,11 +152,16 @@ mod tests {
         for variant in variants() {
             let scenes = variant.findings.iter().map(|it| it.scene.as_str());
             let scenes: std::collections::BTreeSet<&str> = scenes.collect();
-            assert_eq!(scenes.len(), 5, "{}", variant.name);
+            let known = ["cornell", "window", "sheet", "statues", "bunny_room"];
+            assert!(scenes.iter().all(|scene| known.contains(scene)));
+            assert!(scenes.len() >= 3, "{}", variant.name);
             for finding in &variant.findings {
                 assert!(finding.one[0] > 0.0 && finding.one[1] >= finding.one[0] * 0.5);
             }
         }
+        let scenes = variants().flat_map(|variant| &variant.findings);
+        let scenes: std::collections::BTreeSet<&str> = scenes.map(|it| it.scene.as_str()).collect();
+        assert_eq!(scenes.len(), 5);
         assert!(tried(&knobs) > 40, "{}", tried(&knobs));
     }
 

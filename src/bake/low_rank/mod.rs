@@ -21,7 +21,7 @@ mod smooth;
 
 pub(super) use part::Budget;
 #[cfg(test)]
-pub(super) use part::NEAR_SHARE;
+pub(super) use part::{NEAR_SHARE, NOISE_COUNTS};
 #[cfg(test)]
 pub(super) use quantise::FUNCTION_THRESHOLD;
 pub(super) use sampled::{Task, pilot_rows, sampled_rows};
