@@ -73,11 +73,11 @@ pub(super) struct Split {
 pub(super) fn near_split(transfer: &GroupTransfer, most: usize) -> Split {
     let squares = |(_, weights): &(u32, [f32; GROUP])| weights.iter().fold(0.0, |s, w| s + w * w);
     let scores: Vec<f32> = transfer.entries.iter().map(squares).collect();
-    split_largest(transfer, &scores, most)
+    split(transfer, &largest(&scores, most))
 }
 
-/// A group with the `most` entries of the largest scores taken out.
-pub(super) fn split_largest(transfer: &GroupTransfer, scores: &[f32], most: usize) -> Split {
+/// Which are the `most` largest scores; the first of equal ones.
+pub(super) fn largest(scores: &[f32], most: usize) -> Vec<bool> {
     let mut order: Vec<u32> = (0..scores.len() as u32).collect();
     let count = most.min(order.len());
     if count < order.len() && count > 0 {
@@ -85,11 +85,11 @@ pub(super) fn split_largest(transfer: &GroupTransfer, scores: &[f32], most: usiz
         let by_score = |a: &u32, b: &u32| score(*b).total_cmp(&score(*a)).then(a.cmp(b));
         order.select_nth_unstable_by(count, by_score);
     }
-    let mut is_near = vec![false; transfer.entries.len()];
+    let mut is_largest = vec![false; scores.len()];
     order[..count]
         .iter()
-        .for_each(|&i| is_near[i as usize] = true);
-    split(transfer, &is_near)
+        .for_each(|&i| is_largest[i as usize] = true);
+    is_largest
 }
 
 /// A group with the entries of some senders (ascending) taken out.
@@ -99,7 +99,8 @@ pub(super) fn split_senders(transfer: &GroupTransfer, senders: &[u32]) -> Split 
     split(transfer, &is_near)
 }
 
-fn split(transfer: &GroupTransfer, is_near: &[bool]) -> Split {
+/// A group with some entries taken out.
+pub(super) fn split(transfer: &GroupTransfer, is_near: &[bool]) -> Split {
     let pick = |wanted: bool| {
         let chosen = transfer
             .entries

@@ -106,7 +106,11 @@ pub(super) fn of_pilots<S: Send, T: Send>(
     ask: impl Fn(&mut S, &[u32], &GroupTransfer) -> T + Sync + Send,
 ) -> Vec<T> {
     let stride = groups.len().div_ceil(count).max(1);
-    let chosen = groups.iter().copied().skip(stride / 2).step_by(stride);
+    // By vertices, not slots: an order that does not depend on how partitions are
+    // numbered, and nor do the thresholds then.
+    let mut groups = groups.to_vec();
+    groups.sort_unstable_by_key(|&group| vertices_of(basis, group)[0]);
+    let chosen = groups.into_iter().skip(stride / 2).step_by(stride);
     let chosen: Vec<(u32, u32)> = chosen.collect();
     chosen
         .par_iter()

@@ -12,15 +12,15 @@
 //! 2.02 and 1.85, statues 3.05 and 3.02; with 8 times the mean at most 1.39, 3.46,
 //! 1.85, 3.10.
 
-use crate::bake::compress::{Split, split_largest};
+use crate::bake::compress::{Split, largest, split};
 use crate::bake::operator::threshold_of;
 use crate::bake::transfer::{GROUP, GroupTransfer};
 use crate::surface::Surface;
 
 /// Entries of a group, times the mean, at most.
 const MOST: usize = 4;
-/// Entries of a group, at least: they answer constant light where the components
-/// cannot.
+/// Entries of a group, at least. They answer constant light where the components
+/// cannot, so every receiver has one, too.
 const LEAST: usize = 4;
 
 /// Which senders of a group are near.
@@ -55,7 +55,31 @@ impl NearRule {
         let worth = |score: &&f32| **score >= self.threshold;
         let count = scores.iter().filter(worth).count();
         let most = self.most.max(LEAST);
-        split_largest(transfer, scores, count.clamp(LEAST, most))
+        let mut is_near = largest(scores, count.clamp(LEAST, most));
+        for lane in 0..GROUP {
+            let weight = |entry: usize| transfer.entries[entry].1[lane];
+            let mut entries = 0..scores.len();
+            if entries
+                .clone()
+                .any(|entry| is_near[entry] && weight(entry) > 0.0)
+            {
+                continue;
+            }
+            let first = entries.next();
+            let brightest = entries.fold(first, |best, entry| {
+                best.map(|best| {
+                    if weight(entry) > weight(best) {
+                        entry
+                    } else {
+                        best
+                    }
+                })
+            });
+            if let Some(brightest) = brightest.filter(|&entry| weight(entry) > 0.0) {
+                is_near[brightest] = true;
+            }
+        }
+        split(transfer, &is_near)
     }
 }
 
@@ -84,6 +108,21 @@ mod tests {
             noise: vec![[0.0; GROUP]; weights.len()],
             ..GroupTransfer::default()
         }
+    }
+
+    #[test]
+    fn every_receiver_has_an_entry() {
+        let mut transfer = group(&[9.0, 8.0, 7.0, 6.0, 1.0, 2.0]);
+        for (_, weights) in &mut transfer.entries[..4] {
+            weights[3] = 0.0;
+        }
+        let rule = NearRule {
+            threshold: 5.0,
+            most: 24,
+        };
+        let split = rule.split(&transfer, &[9.0, 8.0, 7.0, 6.0, 1.0, 2.0]);
+        let near: Vec<u32> = split.near.iter().map(|&(slot, _)| slot).collect();
+        assert_eq!(near, [0, 1, 2, 3, 5]);
     }
 
     #[test]
