@@ -148,6 +148,9 @@ mod tests {
             let chosen = knob.variants.iter().filter(|variant| variant.chosen);
             assert_eq!(chosen.count(), 1, "{}", knob.name);
             assert!(knob.variants.len() > 1, "{}", knob.name);
+            let counts = knob.variants.iter().map(|variant| variant.findings.len());
+            let counts: std::collections::BTreeSet<usize> = counts.collect();
+            assert_eq!(counts.len(), 1, "{}: all in the same scenes", knob.name);
         }
         for variant in variants() {
             let scenes = variant.findings.iter().map(|it| it.scene.as_str());
@@ -155,6 +158,7 @@ mod tests {
             let known = ["cornell", "window", "sheet", "statues", "bunny_room"];
             assert!(scenes.iter().all(|scene| known.contains(scene)));
             assert!(scenes.len() >= 3, "{}", variant.name);
+            assert_eq!(scenes.len(), variant.findings.len(), "{}", variant.name);
             for finding in &variant.findings {
                 assert!(finding.one[0] > 0.0 && finding.one[1] >= finding.one[0] * 0.5);
             }
