@@ -12,7 +12,7 @@ use crate::simd::Level;
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum Scheme {
     /// relume's own: a near field, a low-rank product for the rest, functions
-    /// by area, and constant light kept.
+    /// by what they hand on, and constant light kept.
     #[default]
     Relume,
     /// As it was published (Wang, Zhu and Humphreys, EGSR 2007): a list of
