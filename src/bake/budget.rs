@@ -16,7 +16,7 @@ use super::{BakeError, BakeSettings, Importance, RunSettings, spectral_basis};
 use crate::surface::Surface;
 
 /// Seed of the lights that choose.
-const SEED: u32 = 0xb0d_6e7;
+pub(super) const SEED: u32 = 0xb0d_6e7;
 /// Partitions of a trial; receivers of each that are looked at, in groups.
 const PILOT_PARTS: usize = 16;
 const GROUPS: usize = 64;
@@ -191,7 +191,7 @@ impl<'a> Trial<'a> {
             &self.receivers,
             &self.lights,
             TRUE_RAYS,
-            stored,
+            (stored, |first_slot| operator.near_of(first_slot)),
         ))
     }
 }

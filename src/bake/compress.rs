@@ -71,29 +71,45 @@ pub(super) struct Split {
 
 /// Near field: the senders with the largest sum over the group of T^2.
 pub(super) fn near_split(transfer: &GroupTransfer, most: usize) -> Split {
-    let mut order: Vec<(f32, u32)> = transfer
-        .entries
-        .iter()
-        .enumerate()
-        .map(|(i, (_, weights))| (weights.iter().fold(0.0, |sum, w| sum + w * w), i as u32))
-        .collect();
+    let squares = |(_, weights): &(u32, [f32; GROUP])| weights.iter().fold(0.0, |s, w| s + w * w);
+    let scores: Vec<f32> = transfer.entries.iter().map(squares).collect();
+    split(transfer, &largest(&scores, most))
+}
+
+/// Which are the `most` largest scores; the first of equal ones.
+pub(super) fn largest(scores: &[f32], most: usize) -> Vec<bool> {
+    let mut order: Vec<u32> = (0..scores.len() as u32).collect();
     let count = most.min(order.len());
     if count < order.len() && count > 0 {
-        order.select_nth_unstable_by(count, |a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+        let score = |i: u32| scores[i as usize];
+        let by_score = |a: &u32, b: &u32| score(*b).total_cmp(&score(*a)).then(a.cmp(b));
+        order.select_nth_unstable_by(count, by_score);
     }
-    let mut is_near = vec![false; transfer.entries.len()];
+    let mut is_largest = vec![false; scores.len()];
     order[..count]
         .iter()
-        .for_each(|&(_, i)| is_near[i as usize] = true);
+        .for_each(|&i| is_largest[i as usize] = true);
+    is_largest
+}
+
+/// A group with the entries of some senders (ascending) taken out.
+pub(super) fn split_senders(transfer: &GroupTransfer, senders: &[u32]) -> Split {
+    let is_near = |(slot, _): &(u32, [f32; GROUP])| senders.binary_search(slot).is_ok();
+    let is_near: Vec<bool> = transfer.entries.iter().map(is_near).collect();
+    split(transfer, &is_near)
+}
+
+/// A group with some entries taken out.
+pub(super) fn split(transfer: &GroupTransfer, is_near: &[bool]) -> Split {
     let pick = |wanted: bool| {
         let chosen = transfer
             .entries
             .iter()
-            .zip(&is_near)
+            .zip(is_near)
             .filter(|&(_, &near)| near == wanted);
         chosen.map(|(&entry, _)| entry).collect::<Vec<_>>()
     };
-    let far = transfer.noise.iter().zip(&is_near);
+    let far = transfer.noise.iter().zip(is_near);
     let remainder_noise = far.filter(|&(_, &near)| !near).map(|(&noise, _)| noise);
     Split {
         near: pick(true),

@@ -5,7 +5,7 @@
 use std::time::Instant;
 
 use super::compress::Budget;
-use super::function_shares::functions_by_area;
+use super::function_shares::{functions_by_share, root_shares};
 use super::neighbours::vertex_graph;
 use super::operator::PILOT_GROUPS;
 use super::pilot::{GroupView, SurveyJob, seconds_a_row};
@@ -175,15 +175,17 @@ impl Pieces {
             let areas = members
                 .iter()
                 .map(|&v| surface.vertices.areas()[v as usize]);
-            let area: f64 = match settings.scheme {
-                Scheme::Relume => areas.map(f64::from).sum(),
-                Scheme::Paper => parts as f64,
-            };
+            let area: f64 = areas.map(f64::from).sum();
             part_areas.extend(std::iter::repeat_n(area / parts as f64, parts));
             part_sizes.extend(std::iter::repeat_n(members.len() / parts, parts));
         }
         let total = settings.function_count(vertex_count);
-        let of_parts = functions_by_area(&part_areas, &part_sizes, total);
+        // What a part hands on is not known here; its area stands for it.
+        let shares = match settings.scheme {
+            Scheme::Relume => root_shares(&part_areas, &part_sizes),
+            Scheme::Paper => vec![1.0; part_sizes.len()],
+        };
+        let of_parts = functions_by_share(&shares, &part_sizes, total);
         let mut rest = of_parts.as_slice();
         let mut functions = Vec::new();
         for &parts in &parts {
@@ -400,8 +402,9 @@ fn surface_entries(views: &[GroupView], settings: &BakeSettings) -> Entries {
         return Entries::mean(views.iter().map(of_group));
     }
     let own = low_rank::Budget::of(settings.coefficients);
+    let senders = views.iter().map(|view| view.most_senders).collect();
     let budget = Budget {
-        near: own.near,
+        near: evened(own.near, senders),
         basis: (own.rank as f64 * COMPONENTS_KEPT) as usize,
     };
     let functions = |view: &GroupView| {
@@ -412,17 +415,20 @@ fn surface_entries(views: &[GroupView], settings: &BakeSettings) -> Entries {
             0.0
         }
     };
-    let basis = evened_budget(budget, views.iter().map(functions).collect());
+    let budget = Budget {
+        basis: evened(budget.basis, views.iter().map(functions).collect()),
+        ..budget
+    };
     let of_group =
-        |view: &GroupView| Entries::of_group(basis, view.most_senders, view.functions as f64);
+        |view: &GroupView| Entries::of_group(budget, view.most_senders, view.functions as f64);
     Entries::mean(views.iter().map(of_group))
 }
 
 /// What a group may spend when those that see little leave the others the rest:
-/// the budget is a mean over all groups. `wanted` of each.
-fn evened_budget(budget: Budget, wanted: Vec<f64>) -> Budget {
-    let total = (budget.basis * wanted.len()) as f64;
-    let (mut low, mut high) = (budget.basis, budget.basis * wanted.len().max(1));
+/// `mean` is that over all groups. `wanted` of each.
+fn evened(mean: usize, wanted: Vec<f64>) -> usize {
+    let total = (mean * wanted.len()) as f64;
+    let (mut low, mut high) = (mean, mean * wanted.len().max(1));
     while low < high {
         let middle = low + (high - low).div_ceil(2);
         let spent: f64 = wanted.iter().map(|w| w.at_most(middle as f64)).sum();
@@ -432,10 +438,7 @@ fn evened_budget(budget: Budget, wanted: Vec<f64>) -> Budget {
             high = middle - 1;
         }
     }
-    Budget {
-        basis: low,
-        ..budget
-    }
+    low
 }
 
 fn sky_entries(views: &[GroupView]) -> Entries {

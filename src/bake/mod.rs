@@ -10,6 +10,7 @@
 //! Two schemes ([`Scheme`]) differ in the partitions and in how rows are
 //! compressed: relume's own, and the published one in `paper`.
 
+mod arrangement;
 mod audit;
 mod basis;
 mod budget;
@@ -20,6 +21,7 @@ mod eigen;
 mod energy;
 mod excitation;
 mod file;
+mod footprint;
 mod forecast;
 mod function_shares;
 mod graph;
@@ -59,7 +61,7 @@ use audit::{AuditSize, audit};
 use basis::BasisError;
 use budget::settings_for_error;
 use excitation::Excitation;
-use function_shares::functions_by_area;
+use function_shares::{functions_by_share, root_shares};
 use graph::VertexGraph;
 use low_rank::Task;
 use neighbours::vertex_graph;
@@ -92,6 +94,26 @@ use crate::surface::Surface;
 /// Seed of the lights that a bake states its error for. The prior lights, the
 /// search for an error and the reports have seeds of their own.
 const STATED_SEED: u32 = 0x57a7ed;
+/// Seeds of all lights that a bake is chosen or measured by.
+#[cfg(test)]
+pub(crate) fn light_seeds() -> Vec<u32> {
+    let [choosing, reporting] = prior::SEEDS;
+    vec![STATED_SEED, budget::SEED, choosing, reporting]
+}
+
+/// Constants that the table of methods chose, by the names of its knobs.
+#[cfg(test)]
+pub(crate) fn chosen_by() -> [(&'static str, f64); 3] {
+    [
+        ("near share", low_rank::NEAR_SHARE),
+        ("threshold of functions in V", low_rank::FUNCTION_THRESHOLD),
+        (
+            "noise counts",
+            f64::from((low_rank::NOISE_COUNTS * 100.0).round()) / 100.0,
+        ),
+    ]
+}
+
 /// Groups of eight receivers that one task of [`apply_rows`] takes.
 const GROUPS_PER_TASK: usize = 32;
 
@@ -302,16 +324,19 @@ fn spectral_basis(
         Scheme::Relume => own_partition(&graph, part_size),
         Scheme::Paper => paper::partition(&graph, part_size)?,
     };
-    let area_of = |v: &u32| f64::from(surface.vertices.areas()[*v as usize]);
-    let areas: Vec<f64> = (0..parts.part_count())
-        .map(|p| parts.members(p).iter().map(area_of).sum())
-        .collect();
     let sizes: Vec<usize> = (0..parts.part_count())
         .map(|p| parts.members(p).len())
         .collect();
     let total = settings.function_count(surface.vertices.len());
     let counts = match settings.scheme {
-        Scheme::Relume => functions_by_area(&areas, &sizes, total),
+        Scheme::Relume => {
+            let masses = places.masses();
+            let mass_of = |v: &u32| f64::from(masses[*v as usize]);
+            let handed_on: Vec<f64> = (0..parts.part_count())
+                .map(|p| parts.members(p).iter().map(mass_of).sum())
+                .collect();
+            functions_by_share(&root_shares(&handed_on, &sizes), &sizes, total)
+        }
         Scheme::Paper => paper::equal_functions(&sizes, total),
     };
     run.progress.stage("spectral basis", sizes.len() as u64);

@@ -37,23 +37,32 @@ impl<'a> SkyRows<'a> {
     }
 
     /// Finds the threshold that keeps the budget in the mean of pilot groups.
-    pub(super) fn new(basis: &Basis, sampling: Sampling, groups: &'a [(u32, u32)]) -> Self {
+    /// Returns too what else is asked of these: of the vertices of each and their
+    /// transfer.
+    pub(super) fn new<T: Send>(
+        basis: &Basis,
+        sampling: Sampling,
+        groups: &'a [(u32, u32)],
+        ask: impl Fn(&[u32], &GroupTransfer) -> T + Sync,
+    ) -> (Self, Vec<T>) {
         let mut sky = Self::unlimited(groups);
-        let pilots = pilot_groups(groups);
-        let scores: Vec<Vec<f32>> = pilots
-            .par_iter()
-            .map_init(
-                || (transfer::Scratch::new(basis.slot_count()), sky.scratch()),
-                |(transfer, scratch), &group| {
-                    let sampled = sample_group(&sampling, vertices_of(basis, group), transfer);
-                    let of_sky = sky::transfer_of(&sampled);
-                    sky.compressor().scores(&of_sky, scratch)
-                },
-            )
-            .collect();
-        let budget = sky.compressor().budget.basis * pilots.len();
+        let scratch = || sky.scratch();
+        let (scores, answers): (Vec<Vec<f32>>, Vec<T>) = of_pilots(
+            basis,
+            sampling,
+            groups,
+            PILOT_GROUPS,
+            scratch,
+            |scratch, vertices, rows| {
+                let scores = sky.compressor().scores(&sky::transfer_of(rows), scratch);
+                (scores, ask(vertices, rows))
+            },
+        )
+        .into_iter()
+        .unzip();
+        let budget = sky.compressor().budget.basis * scores.len();
         sky.threshold = threshold_of(scores.concat(), budget);
-        sky
+        (sky, answers)
     }
 
     fn compressor(&self) -> Compressor<'_> {
@@ -86,15 +95,38 @@ impl<'a> SkyRows<'a> {
     }
 }
 
-/// The groups that thresholds are chosen from.
-fn pilot_groups(groups: &[(u32, u32)]) -> Vec<(u32, u32)> {
-    let stride = groups.len().div_ceil(PILOT_GROUPS).max(1);
-    let chosen = groups.iter().copied().skip(stride / 2).step_by(stride);
-    chosen.collect()
+/// Samples about `count` groups, spread evenly over some, and asks something of
+/// the vertices and the transfer of each.
+pub(super) fn of_pilots<S: Send, T: Send>(
+    basis: &Basis,
+    sampling: Sampling,
+    groups: &[(u32, u32)],
+    count: usize,
+    scratch: impl Fn() -> S + Sync + Send,
+    ask: impl Fn(&mut S, &[u32], &GroupTransfer) -> T + Sync + Send,
+) -> Vec<T> {
+    let stride = groups.len().div_ceil(count).max(1);
+    // By vertices, not slots: an order that does not depend on how partitions are
+    // numbered, and nor do the thresholds then.
+    let mut groups = groups.to_vec();
+    groups.sort_unstable_by_key(|&group| vertices_of(basis, group)[0]);
+    let chosen = groups.into_iter().skip(stride / 2).step_by(stride);
+    let chosen: Vec<(u32, u32)> = chosen.collect();
+    chosen
+        .par_iter()
+        .map_init(
+            || (transfer::Scratch::new(basis.slot_count()), scratch()),
+            |(transfer, scratch), &group| {
+                let vertices = vertices_of(basis, group);
+                let sampled = sample_group(&sampling, vertices, transfer);
+                ask(scratch, vertices, &sampled)
+            },
+        )
+        .collect()
 }
 
 /// The score of the last one that `budget` pays for.
-fn threshold_of(mut scores: Vec<f32>, budget: usize) -> f32 {
+pub(super) fn threshold_of(mut scores: Vec<f32>, budget: usize) -> f32 {
     if scores.len() <= budget || budget == 0 {
         return 0.0;
     }

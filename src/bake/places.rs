@@ -300,6 +300,13 @@ impl<'a> Places<'a> {
         best.1
     }
 
+    /// The vertex in which a share (0 to 1) of all that is handed on ends, and the
+    /// share of its rays that arrive (above 0).
+    pub(super) fn hands_on(&self, share: f32) -> (usize, f64) {
+        let vertex = pick(&self.cumulative, share);
+        (vertex, f64::from(self.arrived[vertex]))
+    }
+
     /// A random surface point that hands light on.
     pub(super) fn surface_point(&self, [seed, light]: [u32; 2]) -> SurfacePoint {
         let u = |dimension| uniform(seed, light, dimension);

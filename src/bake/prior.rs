@@ -19,6 +19,9 @@ const SPOT_CUTOFF_DEG: f32 = 20.0;
 const CHOOSING_SEED: u32 = 0x11947;
 /// Seed that reports.
 const REPORTING_SEED: u32 = 0x2b6f5;
+/// Both.
+#[cfg(test)]
+pub(super) const SEEDS: [u32; 2] = [CHOOSING_SEED, REPORTING_SEED];
 /// Unseen lights: points near surfaces and far from them.
 const UNSEEN_POINTS: u32 = 24;
 

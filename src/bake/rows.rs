@@ -267,6 +267,15 @@ impl Rows {
         (first as usize, count as usize)
     }
 
+    /// Senders of a group's near field.
+    pub(super) fn near_of(&self, group: usize) -> Vec<u32> {
+        let range = self.near_offsets[group] as usize..self.near_offsets[group + 1] as usize;
+        match &self.near {
+            Indices::Narrow(list) => list[range].iter().map(|&i| u32::from(i)).collect(),
+            Indices::Wide(list) => list[range].to_vec(),
+        }
+    }
+
     /// Whether a group has an entry at all.
     pub(crate) fn is_empty(&self, group: usize) -> bool {
         self.near_offsets[group] == self.near_offsets[group + 1]

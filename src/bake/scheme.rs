@@ -12,7 +12,7 @@ use crate::simd::Level;
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum Scheme {
     /// relume's own: a near field, a low-rank product for the rest, functions
-    /// by area, and constant light kept.
+    /// by what they hand on, and constant light kept.
     #[default]
     Relume,
     /// As it was published (Wang, Zhu and Humphreys, EGSR 2007): a list of
@@ -121,6 +121,15 @@ impl Operator {
                     .collect()
             }
             Self::Paper(rows) => rows.without_senders(),
+        }
+    }
+
+    /// Senders (slots, ascending) of the near field of the group that begins with
+    /// a slot.
+    pub(super) fn near_of(&self, first_slot: u32) -> Vec<u32> {
+        match self {
+            Self::LowRank(rows) => rows.near_of(first_slot),
+            Self::Paper(_) => Vec::new(),
         }
     }
 

@@ -9,7 +9,7 @@ use super::audit::{smooth, whole_and_on_basis};
 use super::excitation::Excitation;
 use super::operator::{receiver_groups, vertices_of};
 use super::places::Places;
-use super::test_lights::{Fields, LIGHTS, TestKind, TestLights, light};
+use super::test_lights::{Fields, LIGHTS, TestKind, TestLights};
 use super::transfer::{self, Sampling, sample_group, trace_arrivals, vertex_rays};
 use super::{
     Bake, BakeError, BakeSettings, Importance, Operator, RunSettings, Scheme, low_rank, paper,
@@ -194,18 +194,10 @@ impl<'a> Study<'a> {
     /// The test lights of a seed and their direct light at the vertices (RMS 1).
     pub(crate) fn lights(&self, basis: &Basis, seed: u32) -> (Vec<StudyLight>, VertexFields) {
         let lights = TestLights::of(&self.places, basis, seed);
-        let study = lights
-            .kinds
-            .iter()
-            .enumerate()
-            .map(|(number, &kind)| StudyLight {
-                kind,
-                placed: self
-                    .has_bounces()
-                    .then(|| light(&self.places, kind, [seed, number as u32]))
-                    .flatten(),
-            });
-        (study.collect(), by_vertex(basis, &lights.brightness))
+        let fields = by_vertex(basis, &lights.brightness);
+        let study = lights.lights.into_iter();
+        let study = study.map(|(kind, placed)| StudyLight { kind, placed });
+        (study.collect(), fields)
     }
 
     /// Direct light of a lamp 0.02 extents from a corner, and of a patch with a
@@ -333,14 +325,14 @@ impl<'a> Study<'a> {
             slot_of_vertex: basis.slot_of_vertex(),
             rays: settings.rays,
         };
-        let near = settings.near_entries();
         let found: Vec<[Vec<[f32; LIGHTS]>; 2]> = receiver_groups(basis)
             .par_iter()
             .map_init(
                 || transfer::Scratch::new(basis.slot_count()),
                 |scratch, &group| {
                     let rows = sample_group(&sampling, vertices_of(basis, group), scratch);
-                    whole_and_on_basis(&rows, near, group.1 as usize, &fields, &kept)
+                    let near = bake.operator().near_of(group.0);
+                    whole_and_on_basis(&rows, &near, group.1 as usize, &fields, &kept)
                 },
             )
             .collect();

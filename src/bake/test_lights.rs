@@ -6,9 +6,12 @@
 //! scene gets more points instead of suns and skies. What lies beyond (a lamp
 //! at a wall, a patch with a hard edge) has lights of its own: [`extremes`].
 
+use glam::Vec3;
 use rayon::prelude::*;
 
+use super::arrangement::arranged;
 use super::basis::Basis;
+use super::footprint::Probes;
 use super::places::Places;
 use super::transfer::vertex_rays;
 use crate::maths::hash::uniform;
@@ -18,7 +21,8 @@ use crate::simd::Level;
 use crate::surface::{Surface, direct};
 
 /// Lights that are tested at once.
-pub(crate) const LIGHTS: usize = 32;
+/// (Sets of 32 of two seeds differed by up to a fifth in the mean.)
+pub(crate) const LIGHTS: usize = 64;
 /// A value a light, by slot.
 pub(crate) type Fields = Vec<[f32; LIGHTS]>;
 
@@ -31,7 +35,7 @@ const CUTOFFS_DEG: [f32; 2] = [30.0, 20.0];
 /// A light of which less arrives at a second surface (share of what it sheds on
 /// surfaces that see others at all) has no indirect light worth speaking of, and
 /// is left out: a lamp over an open plane was 170 % wrong about nothing.
-const LEAST_INDIRECT: f64 = 0.02;
+pub(super) const LEAST_INDIRECT: f64 = 0.02;
 /// Rays a vertex that look for skies.
 const SKY_RAYS: u32 = 256;
 /// Distance of the extreme lamp from a corner and radius of the extreme patch,
@@ -66,16 +70,17 @@ impl TestKind {
 
 /// Kinds of the lights of an open and of a closed scene, with how many of each.
 const OPEN: [(TestKind, usize); 4] = [
-    (TestKind::Point, 14),
-    (TestKind::Spot, 8),
-    (TestKind::Sun, 6),
-    (TestKind::Sky, 4),
+    (TestKind::Point, 28),
+    (TestKind::Spot, 16),
+    (TestKind::Sun, 12),
+    (TestKind::Sky, 8),
 ];
-const CLOSED: [(TestKind, usize); 2] = [(TestKind::Point, 22), (TestKind::Spot, 10)];
+const CLOSED: [(TestKind, usize); 2] = [(TestKind::Point, 44), (TestKind::Spot, 20)];
 
 /// Lights of one seed and their direct light.
 pub(crate) struct TestLights {
-    pub(crate) kinds: Vec<TestKind>,
+    /// [`LIGHTS`] of them; a sky has no place, nor has a light that was not found.
+    pub(crate) lights: Vec<(TestKind, Option<PlacedLight>)>,
     /// Direct irradiance in slots, each light scaled to RMS 1; 0 for a light that
     /// reaches nothing.
     pub(crate) brightness: Fields,
@@ -84,28 +89,31 @@ pub(crate) struct TestLights {
 impl TestLights {
     pub(crate) fn of(places: &Places, basis: &Basis, seed: u32) -> Self {
         let (surface, level) = (places.surface(), places.level());
-        let table: &[(TestKind, usize)] = if places.any_sun() { &OPEN } else { &CLOSED };
-        let kinds: Vec<TestKind> = table
-            .iter()
-            .flat_map(|&(kind, count)| std::iter::repeat_n(kind, count))
-            .collect();
         let mut brightness = vec![[0.0; LIGHTS]; basis.slot_count()];
-        if places.any() {
-            let shadows = direct::Shadows::of_surface(surface, level);
-            for (number, &kind) in kinds.iter().enumerate() {
-                let values = match light(places, kind, [seed, number as u32]) {
-                    Some(light) => direct::at_vertices(&shadows, &light)
-                        .iter()
-                        .map(|e| e.x)
-                        .collect(),
-                    None => sky(surface, level, [seed, number as u32]),
-                };
-                if places.indirect_share(&values) >= LEAST_INDIRECT {
-                    store(basis, &values, number, &mut brightness);
-                }
+        let lights = lights(places, seed);
+        let shadows = direct::Shadows::of_surface(surface, level);
+        let is_sky = |&number: &usize| lights[number].0 == TestKind::Sky;
+        let skies: Vec<usize> = (0..LIGHTS).filter(is_sky).collect();
+        let of_skies = skies_of(surface, level, seed, &skies);
+        let of_light = |number: usize| -> Option<Vec<f32>> {
+            let light = lights[number].1.as_ref()?;
+            let direct = direct::at_vertices(&shadows, light);
+            Some(direct.iter().map(|e| e.x).collect())
+        };
+        let mut take = |number: usize, values: &[f32]| {
+            if places.indirect_share(values) >= LEAST_INDIRECT {
+                store(basis, values, number, &mut brightness);
+            }
+        };
+        for number in 0..LIGHTS {
+            if let Some(values) = of_light(number) {
+                take(number, &values);
             }
         }
-        Self { kinds, brightness }
+        for (number, values) in skies.into_iter().zip(of_skies) {
+            take(number, &values);
+        }
+        Self { lights, brightness }
     }
 
     /// A lamp 0.02 extents from a corner, and a patch with a hard edge that is
@@ -136,7 +144,7 @@ impl TestLights {
             store(basis, &patch, 1, &mut brightness);
         }
         Self {
-            kinds: vec![TestKind::Point; LIGHTS],
+            lights: vec![(TestKind::Point, None); LIGHTS],
             brightness,
         }
     }
@@ -162,23 +170,56 @@ pub(super) fn light(
     }
 }
 
-/// A sky that is 1 in every direction and brighter about a random one.
-fn sky(surface: &Surface, level: Level, [seed, number]: [u32; 2]) -> Vec<f32> {
-    let u = |dimension| uniform(seed, number, dimension);
-    let axis = sphere_direction([u(8), u(9)]);
-    let brighter = 4.0 * u(10);
-    (0..surface.vertices.len() as u32)
+/// The lights of a seed, kind by kind; those without a place count too.
+fn lights(places: &Places, seed: u32) -> Vec<(TestKind, Option<PlacedLight>)> {
+    let table: &[(TestKind, usize)] = if places.any_sun() { &OPEN } else { &CLOSED };
+    let probes = places.any().then(|| Probes::of(places, seed));
+    let (mut lights, mut first) = (Vec::new(), 0);
+    for &(kind, count) in table {
+        let numbers = first..first + count as u32;
+        first = numbers.end;
+        let found = match &probes {
+            Some(probes) if kind != TestKind::Sky => {
+                arranged(places, probes, kind, seed, numbers.clone())
+            }
+            _ => Vec::new(),
+        };
+        let missing = count - found.len();
+        lights.extend(found.into_iter().map(|light| (kind, Some(light))));
+        lights.extend(std::iter::repeat_n((kind, None), missing));
+    }
+    lights
+}
+
+/// Skies that are 1 in every direction and brighter about a random one, by the
+/// same rays.
+fn skies_of(surface: &Surface, level: Level, seed: u32, numbers: &[usize]) -> Vec<Vec<f32>> {
+    let lobes: Vec<(Vec3, f32)> = numbers
+        .iter()
+        .map(|&number| {
+            let u = |dimension| uniform(seed, number as u32, dimension);
+            (sphere_direction([u(8), u(9)]), 4.0 * u(10))
+        })
+        .collect();
+    let rows: Vec<Vec<f32>> = (0..surface.vertices.len() as u32)
         .into_par_iter()
         .with_min_len(64)
         .map(|vertex| {
-            let rays = vertex_rays(surface, level, [seed, vertex], SKY_RAYS);
-            let escaped = rays.filter(|(_, (_, hit))| hit.is_none());
-            escaped.fold(0.0_f32, |sum, (_, (direction, _))| {
-                let cosine = direction.dot(axis);
-                sum + 1.0 + brighter * if cosine > 0.0 { cosine } else { 0.0 }
-            })
+            let mut sums = vec![0.0_f32; lobes.len()];
+            for (_, (direction, hit)) in vertex_rays(surface, level, [seed, vertex], SKY_RAYS) {
+                if hit.is_some() {
+                    continue;
+                }
+                for (sum, (axis, brighter)) in sums.iter_mut().zip(&lobes) {
+                    let cosine = direction.dot(*axis);
+                    *sum += 1.0 + brighter * if cosine > 0.0 { cosine } else { 0.0 };
+                }
+            }
+            sums
         })
-        .collect()
+        .collect();
+    let of_sky = |sky: usize| rows.iter().map(|row| row[sky]).collect();
+    (0..lobes.len()).map(of_sky).collect()
 }
 
 /// Stores a light's values at the vertices in slots, scaled to RMS 1.

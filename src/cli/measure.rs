@@ -115,6 +115,7 @@ fn main_figures(figures: &MainFigures) -> Value {
         "bake_seconds": figures.bake_seconds,
         "threads": figures.threads,
         "seconds": figures.seconds,
+        "variants_tried": figures.variants_tried,
     })
 }
 

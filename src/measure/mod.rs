@@ -11,6 +11,7 @@
 //! | `paths` | the same at some vertices against the path tracer |
 //! | `sweeps` | error against functions, coefficients, bytes, rays, milliseconds |
 //! | `frame_errors` | frames against the path tracer, and its time at equal error |
+//! | `methods` | variants of the method that were tried, recorded |
 //! | `pictures` | frame beside reference, partitions, functions, components |
 //!
 //! Errors are those of both schemes in one run. The lights, the truth and the
@@ -18,6 +19,7 @@
 
 mod frame_errors;
 mod frames;
+mod methods;
 mod paths;
 mod pictures;
 mod report;

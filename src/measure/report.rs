@@ -2,6 +2,7 @@
 
 use super::MeasureError;
 use super::frame_errors::{BLOCK, Compared, TIMED_FRAMES, TRIED_SAMPLES};
+use super::methods;
 use super::paths::{PATHS, VERTICES};
 use super::run::{Measured, ReportSettings, Sweeps, Vertices, measure};
 use super::statistics::over_lights;
@@ -49,6 +50,8 @@ pub struct MainFigures {
     pub threads: usize,
     /// Seconds of the whole report by the clock.
     pub seconds: f64,
+    /// Variants of the method that were tried when it was chosen, itself included.
+    pub variants_tried: usize,
 }
 
 /// One scheme at the defaults.
@@ -159,6 +162,7 @@ fn main_figures(measured: &Measured) -> MainFigures {
             .iter()
             .map(|(_, seconds)| seconds)
             .sum(),
+        variants_tried: methods::tried(&methods::knobs()),
     }
 }
 
@@ -291,6 +295,7 @@ fn sections(measured: &mut Measured) -> Vec<Section> {
         section.blocks.extend(comparisons);
         sections.push(section);
     }
+    sections.push(methods::section());
     sections.push(Section {
         heading: "Pictures".to_owned(),
         anchor: "pictures".to_owned(),

@@ -16,7 +16,7 @@ use crate::surface::Surface;
 
 /// Seeds of this report alone: of its lights, of the rows in between and of the
 /// last rows of both halves.
-const LIGHT_SEED: u32 = 0x4e90_47ed;
+pub(super) const LIGHT_SEED: u32 = 0x4e90_47ed;
 const ROW_SEEDS: [u32; 2] = [0x4e90_0001, 0x4e90_0002];
 const LAST_SEEDS: [u32; 2] = [0x4e90_0003, 0x4e90_0004];
 /// Rays a vertex of the rows in between, each half: their noise of 3 % is

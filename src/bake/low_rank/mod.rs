@@ -13,12 +13,17 @@
 //! transfer than the sampled rows that it was made of.
 
 mod factor;
+mod near;
 mod part;
 mod quantise;
 mod sampled;
 mod smooth;
 
 pub(super) use part::Budget;
+#[cfg(test)]
+pub(super) use part::{NEAR_SHARE, NOISE_COUNTS};
+#[cfg(test)]
+pub(super) use quantise::FUNCTION_THRESHOLD;
 pub(super) use sampled::{Task, pilot_rows, sampled_rows};
 
 use rayon::prelude::*;
@@ -93,6 +98,16 @@ impl LowRank {
     /// Bytes of all tables.
     pub(crate) fn bytes(&self) -> usize {
         self.scales.len() * 4 + self.components.bytes() + self.rows.bytes()
+    }
+
+    /// Senders (slots, ascending) of the near field of the group that begins with
+    /// a slot.
+    pub(super) fn near_of(&self, first_slot: u32) -> Vec<u32> {
+        let starts = self
+            .rows
+            .receivers
+            .binary_search_by_key(&first_slot, |it| it.0);
+        starts.map_or(Vec::new(), |group| self.rows.near_of(group))
     }
 
     /// Entries of a vertex in the mean: near field and components.

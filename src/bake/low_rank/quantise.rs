@@ -13,7 +13,7 @@ const FUNCTION_BYTES: f64 = 10.0;
 /// brings, each for its bytes. Error in per cent and bytes a vertex at 1, 2 and 4:
 /// the window's room 3.57, 3.60, 3.66 and 111, 104, 98; at 4 the statues' hall,
 /// whose partitions see five times as many functions, has 169 bytes.
-const FUNCTION_THRESHOLD: f64 = 4.0;
+pub(in crate::bake) const FUNCTION_THRESHOLD: f64 = 4.0;
 /// Scaling a receiver's components by more is no correction any longer: then
 /// the shortest change of its row makes up for what is missing.
 const RESPONSE_RANGE: std::ops::RangeInclusive<f64> = 0.5..=2.0;

@@ -5,11 +5,12 @@
 use rayon::prelude::*;
 
 use super::LowRank;
+use super::near::{self, NearRule};
 use super::part::{Budget, FoundPart, Job};
 use super::quantise::{components, spread};
 use crate::bake::basis::Basis;
 use crate::bake::neighbours::vertex_graph;
-use crate::bake::operator::{SkyRows, receiver_groups};
+use crate::bake::operator::{SkyRows, of_pilots, receiver_groups};
 use crate::bake::rows::{GroupRows, Rows};
 use crate::bake::sky::Sky;
 use crate::bake::stats::{BakeStats, GroupStats};
@@ -17,17 +18,22 @@ use crate::bake::transfer::{GROUP, Sampling};
 use crate::bake::{BakeError, BakeSettings, Importance, RunSettings};
 use crate::surface::Surface;
 
+/// Groups of some partitions alone that their near field is measured by.
+const FEW_PILOT_GROUPS: usize = 64;
+
 /// Samples, factors and quantises all rows, and those of the sky where the scene
 /// is open.
 pub(in crate::bake) fn sampled_rows(
     task: Task,
 ) -> Result<(LowRank, Option<Sky>, BakeStats), BakeError> {
     let groups = receiver_groups(task.basis);
-    let sky = SkyRows::new(task.basis, task.sampling(), &groups);
+    let ask = |vertices: &[u32], rows: &_| near::scores(task.surface, vertices, rows);
+    let (sky, scores) = SkyRows::new(task.basis, task.sampling(), &groups, ask);
+    let near = NearRule::of_pilots(scores, Budget::of(task.settings.coefficients).near);
     if task.run.progress.cancelled() {
         return Err(BakeError::Cancelled);
     }
-    let found = of_parts(task, &sky, |_| true)?;
+    let found = of_parts(task, (&sky, near), |_| true)?;
     let sky = sky.finish(&found.stats, &found.sky);
     let stats = BakeStats::of(&found.stats, task.settings, found.last_energy as f32);
     Ok((found.operator, sky, stats))
@@ -37,7 +43,21 @@ pub(in crate::bake) fn sampled_rows(
 /// others are left in the dark.
 pub(in crate::bake) fn pilot_rows(task: Task, is_pilot: &[bool]) -> Result<LowRank, BakeError> {
     let sky = SkyRows::unlimited(&[]);
-    let found = of_parts(task, &sky, |part| is_pilot[part as usize])?;
+    let wanted = |group: &(u32, u32)| is_pilot[task.basis.row(group.0).0 as usize];
+    let groups: Vec<_> = receiver_groups(task.basis)
+        .into_iter()
+        .filter(wanted)
+        .collect();
+    let scores = of_pilots(
+        task.basis,
+        task.sampling(),
+        &groups,
+        FEW_PILOT_GROUPS,
+        || (),
+        |(), vertices, rows| near::scores(task.surface, vertices, rows),
+    );
+    let near = NearRule::of_pilots(scores, Budget::of(task.settings.coefficients).near);
+    let found = of_parts(task, (&sky, near), |part| is_pilot[part as usize])?;
     Ok(found.operator)
 }
 
@@ -74,7 +94,7 @@ impl<'a> Task<'a> {
 /// The operator for the receivers of some partitions.
 fn of_parts(
     task: Task,
-    sky: &SkyRows,
+    (sky, near): (&SkyRows, NearRule),
     is_wanted: impl Fn(u32) -> bool + Sync,
 ) -> Result<Found, BakeError> {
     let (basis, run) = (task.basis, task.run);
@@ -90,6 +110,7 @@ fn of_parts(
         sampling: task.sampling(),
         importance: task.importance,
         budget: Budget::of(task.settings.coefficients),
+        near,
         sky,
     };
     run.progress.stage("transfer", groups.len() as u64);

@@ -53,7 +53,7 @@ pub(crate) use rows::PaperRows;
 pub(super) use sampled::sampled_rows;
 
 use super::BakeError;
-use super::function_shares::functions_by_area;
+use super::function_shares::functions_by_share;
 use super::graph::VertexGraph;
 use super::partition::Partition;
 
@@ -75,7 +75,7 @@ pub(super) fn vertices_per_part(vertex_count: usize) -> u32 {
 
 /// `total` functions shared equally among parts of so many vertices.
 pub(super) fn equal_functions(sizes: &[usize], total: u32) -> Vec<u32> {
-    functions_by_area(&vec![1.0; sizes.len()], sizes, total)
+    functions_by_share(&vec![1.0; sizes.len()], sizes, total)
 }
 
 /// Partitions by METIS. A part may be in pieces, and holds small components

@@ -29,7 +29,7 @@ pub(in crate::bake) fn sampled_rows(
         slot_of_vertex: basis.slot_of_vertex(),
         rays: settings.rays,
     };
-    let sky = SkyRows::new(basis, sampling, &groups);
+    let (sky, _) = SkyRows::new(basis, sampling, &groups, |_, _| ());
     let job = Job {
         basis,
         sampling,
