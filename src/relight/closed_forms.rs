@@ -47,8 +47,7 @@
 //! | wide plates | `light_between_wide_plates_is_a_geometric_series` |
 //! | point to polygon | `any_polygon_agrees_with_quadrature` |
 //! | ... at the horizon | `the_horizon_cuts_a_rectangle_above_a_wall` |
-//! | half of the flux | `a_wide_plane_catches_half_the_flux` |
-//! | ... far below an edge | `a_wide_plane_catches_half_the_flux_far_below_an_edge_length` * |
+//! | half of the flux, also far below an edge | `a_wide_plane_catches_half_the_flux` |
 //! | 200 bounces | `two_hundred_bounces_stay_bounded` |
 //! | box on a floor | `nothing_is_lit_inside_a_box_on_the_floor` |
 //! | ... open below | `backs_of_a_standing_box_are_dark` |

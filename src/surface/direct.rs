@@ -3,7 +3,7 @@
 use glam::Vec3;
 use rayon::prelude::*;
 
-use super::{Ray, Surface, SurfacePoint, offset_origin};
+use super::{Ray, Surface, SurfacePoint, close, offset_origin};
 use crate::maths::order::Order;
 use crate::maths::sobol::ScrambledSobol;
 use crate::scene::{Incident, LightSample, PlacedLight, PlacedRectangle, max_component};
@@ -274,8 +274,8 @@ fn by_one_point(shadows: &Shadows, light: &PlacedLight, points_of_light: u32) ->
 /// Irradiance of one light averaged over every vertex's area, W/m2.
 ///
 /// One point decides where it agrees with those of the neighbours; elsewhere,
-/// at the borders of shadows and cones and close to the light, the mean of
-/// [`AREA_POINTS`] does.
+/// at the borders of shadows and cones, the mean of [`AREA_POINTS`] does, and
+/// close to the light an integral.
 pub(crate) fn at_vertices(shadows: &Shadows, light: &PlacedLight) -> Vec<Vec3> {
     let coarse = at_vertices_by_one_point(shadows, light);
     let uneven = uneven_vertices(shadows.surface, &coarse);
@@ -322,6 +322,11 @@ pub(crate) fn at_vertices_by_many(
 }
 
 fn area_mean(shadows: &Shadows, light: &PlacedLight, vertex: usize) -> Vec3 {
+    if shadows.surface.vertices.open_points(vertex) == u8::MAX
+        && let Some(irradiance) = close::irradiance(shadows, light, vertex)
+    {
+        return irradiance;
+    }
     let points = AreaPoints::of(shadows.surface, vertex);
     let mut found = Found::default();
     for index in points.open() {

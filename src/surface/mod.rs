@@ -5,6 +5,7 @@
 //! (see [`crate::scene::Placement`]). Everything here depends on geometry
 //! alone, except [`direct`], which asks what one light does to one point.
 
+mod close;
 mod detail;
 pub(crate) mod direct;
 mod forest;

@@ -316,6 +316,14 @@ impl LightingVertices {
         )
     }
 
+    /// The triangles of a vertex, each with the number of its corner there.
+    pub(crate) fn fan(&self, vertex: usize) -> impl Iterator<Item = (u32, usize)> {
+        let front = self.front_of(vertex);
+        let range = self.fan_offsets[front] as usize..self.fan_offsets[front + 1] as usize;
+        let fan = self.fans[range].iter();
+        fan.map(|part| (part.triangle, usize::from(part.corner)))
+    }
+
     /// Triangle and barycentric coordinates of [`Self::sample_point`].
     pub(crate) fn sample_site(&self, vertex: usize, u: [f32; 2]) -> (u32, [f32; 3]) {
         let front = self.front_of(vertex);

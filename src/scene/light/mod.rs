@@ -223,6 +223,15 @@ impl PlacedLight {
         !matches!(self, Self::Surfaces(_) | Self::Sun(_))
     }
 
+    /// Where the light is, placed units, if it is a point there.
+    pub(crate) fn place(&self) -> Option<Vec3> {
+        match self {
+            Self::Point(light) => Some(light.position),
+            Self::Spot(light) => Some(light.source.position),
+            Self::Directional(_) | Self::Surfaces(_) | Self::Sun(_) => None,
+        }
+    }
+
     /// Whether the light has edges of its own; see [`Self::edge_between`].
     pub(crate) fn has_edges(&self) -> bool {
         matches!(self, Self::Spot(_))

@@ -45,7 +45,7 @@ pub struct Spot {
 /// A spot in placed units.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct PlacedSpot {
-    source: PlacedPoint,
+    pub(super) source: PlacedPoint,
     axis: Vec3,
     cutoff_rad: f32,
     beam_rad: f32,
