@@ -8,7 +8,10 @@ use serde_json::{Map, Value, json};
 use super::args::Preview;
 use super::error::CliError;
 use super::report::{Report, rounded, stage_key};
-use super::run::{cache_folder, overrides, with_run};
+use super::run::{cache_folder, overrides, say, with_run};
+
+/// Exit code after the terminal has gone.
+const HUNG_UP: u8 = 129;
 
 pub(super) fn execute(arguments: &Preview) -> Result<Report, CliError> {
     let run = &arguments.scene.run;
@@ -34,11 +37,18 @@ pub(super) fn execute(arguments: &Preview) -> Result<Report, CliError> {
 }
 
 fn interactive(settings: &PreviewSettings) -> Result<Report, CliError> {
-    let exit_code = run_in_terminal(settings)?;
+    let ended = run_in_terminal(settings)?;
+    // After a hang-up nobody reads.
+    if let Some(path) = ended.rescued.filter(|_| ended.exit_code != HUNG_UP) {
+        let path = path.display();
+        say(&[format!(
+            "changes were not saved; the scene with them is {path}"
+        )]);
+    }
     Ok(Report {
         json: Value::Null,
         text: String::new(),
-        exit_code,
+        exit_code: ended.exit_code,
     })
 }
 

@@ -1,5 +1,6 @@
 //! The program in a terminal.
 
+use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::time::Instant;
 
@@ -22,18 +23,26 @@ struct Session<'a> {
     preparing: Option<Preparing>,
 }
 
-/// Shows a scene in the terminal until the person at it ends the program; gives
-/// the exit code.
+/// How a session ended.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Ended {
+    /// Exit code: 0 by `q`, 130 by Ctrl-C, 128 + the signal's number else.
+    pub exit_code: u8,
+    /// Where the changes are that were not saved, if the end was not asked for.
+    pub rescued: Option<PathBuf>,
+}
+
+/// Shows a scene in the terminal until the person at it ends the program. Unsaved
+/// changes that nobody discarded are put beside the scene file.
 ///
 /// # Errors
 /// A scene that cannot be read, no terminal, or a system that starts no threads.
 /// The terminal is then as it was.
-pub fn run_in_terminal(settings: &PreviewSettings) -> Result<u8, PreviewError> {
+pub fn run_in_terminal(settings: &PreviewSettings) -> Result<Ended, PreviewError> {
     let loaded = load(&settings.scene, &settings.overrides);
     let mut scene = *loaded.scene?;
     let warnings = std::mem::take(&mut scene.warnings);
     let (queue, messages) = channel();
-    let worker = Worker::start(&settings.preparation, queue.clone())?;
     let notices = queue.clone();
     let wanted = ScreenSettings {
         colours: settings.colours,
@@ -43,6 +52,7 @@ pub fn run_in_terminal(settings: &PreviewSettings) -> Result<u8, PreviewError> {
         // Nobody listens once the session has ended.
         let _ = notices.send(Message::Terminal(notice));
     })?;
+    let worker = Worker::start(&settings.preparation, screen.pace(), queue.clone())?;
     let typed = screen.take_typed();
     read_inputs(&screen, queue.clone())?;
     let file = SceneFile {
@@ -66,10 +76,11 @@ pub fn run_in_terminal(settings: &PreviewSettings) -> Result<u8, PreviewError> {
         watch: None,
         preparing: None,
     };
-    let code = session.run(&mut program, effects, &messages);
+    let exit_code = session.run(&mut program, effects, &messages);
     // The terminal is given back before anything that may take a while.
     session.screen.leave();
-    Ok(code)
+    let rescued = (exit_code != 0).then(|| program.rescue()).flatten();
+    Ok(Ended { exit_code, rescued })
 }
 
 /// Starts the thread that waits for the terminal's events.

@@ -50,7 +50,7 @@ use std::path::PathBuf;
 
 pub use crate::output::terminal::{Colours, Protocol, UnknownProtocol};
 pub use ask::{ColourChoice, ProtocolChoice, UnknownChoice};
-pub use interactive::run_in_terminal;
+pub use interactive::{Ended, run_in_terminal};
 pub use prepare::Preparation;
 pub use scripted::{ScriptReport, run_script};
 
@@ -115,7 +115,7 @@ pub enum PreviewError {
 impl From<ScreenError> for PreviewError {
     fn from(error: ScreenError) -> Self {
         match error {
-            ScreenError::NoTerminal(_) => Self::Terminal(error.to_string()),
+            ScreenError::NoTerminal(_) | ScreenError::Dumb(_) => Self::Terminal(error.to_string()),
             ScreenError::Setup(source) => {
                 Self::Terminal(format!("the terminal could not be set up: {source}"))
             }

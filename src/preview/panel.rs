@@ -15,6 +15,10 @@ const WRONG: Levels = [255, 110, 100];
 const QUESTION: Levels = [120, 215, 255];
 /// Columns between the keys of the help and what they do.
 const GAP: usize = 2;
+/// Where so few columns are left beside the keys, what they do stands below them.
+const NARROW: usize = 24;
+/// Most rows of what is wrong with the scene's files.
+const MOST_ERROR_ROWS: usize = 4;
 /// Widest column of keys in the help.
 const KEYS_WIDTH: usize = 20;
 
@@ -43,10 +47,14 @@ pub(crate) fn bottom(cells: &mut Cells, bottom: &Bottom) {
     fill(cells, row);
     if let Bottom::Status { status, .. } = bottom
         && let Some(error) = &status.file_error
-        && let Some(above) = row.checked_sub(1)
     {
-        fill(cells, above);
-        cells.text(0, above, error, WRONG, PAPER);
+        let mut lines = wrapped(error, usize::from(cells.columns()));
+        lines.truncate(MOST_ERROR_ROWS.min(usize::from(row)));
+        let first = row - lines.len() as u16;
+        for (row, line) in (first..).zip(&lines) {
+            fill(cells, row);
+            cells.text(0, row, line, WRONG, PAPER);
+        }
     }
     match bottom {
         Bottom::Question(text) => cells.text(0, row, text, QUESTION, PAPER),
@@ -109,21 +117,80 @@ pub(crate) fn waiting(cells: &mut Cells, status: &Status) {
     cells.text(column, rows / 2, &text, FAINT, [0; 3]);
 }
 
-/// The help over the picture, from its line `first` on.
-pub(crate) fn help(cells: &mut Cells, first: usize) {
+/// A line of the help as it is drawn.
+struct HelpLine {
+    keys: String,
+    what: String,
+    /// First column of `what`.
+    column: u16,
+    ink: Levels,
+}
+
+/// The help on a screen so wide: what is too long goes on in lines of its own.
+fn help_lines(columns: u16) -> Vec<HelpLine> {
     let lines = keys::help();
     let widest = lines.iter().map(|(keys, _)| keys.chars().count()).max();
     let keys_width = widest.unwrap_or(0).min(KEYS_WIDTH);
-    let page = page(cells.rows());
-    for (row, (keys, what)) in (0..).zip(lines.iter().skip(first).take(page)) {
-        fill(cells, row);
-        if keys.is_empty() {
-            cells.text(1, row, what, NAME, PAPER);
-        } else {
-            cells.text(1, row, keys, INK, PAPER);
-            let column = 1 + (keys.chars().count().max(keys_width) + GAP) as u16;
-            cells.text(column, row, what, FAINT, PAPER);
+    let mut drawn = Vec::new();
+    for (keys, what) in lines {
+        let (column, ink) = match keys.is_empty() {
+            true => (1, NAME),
+            false => (1 + keys.chars().count().max(keys_width) + GAP, FAINT),
+        };
+        let room = usize::from(columns).saturating_sub(column + 1);
+        // Where the keys leave no room, what they do stands below them.
+        let (column, below) = match room < NARROW {
+            true => (1 + GAP, true),
+            false => (column, false),
+        };
+        let mut keys = Some(keys);
+        if below && let Some(keys) = keys.take() {
+            drawn.push(HelpLine {
+                keys,
+                what: String::new(),
+                column: 1,
+                ink,
+            });
         }
+        for what in wrapped(what, usize::from(columns).saturating_sub(column + 1)) {
+            drawn.push(HelpLine {
+                keys: keys.take().unwrap_or_default(),
+                what,
+                column: column as u16,
+                ink,
+            });
+        }
+    }
+    drawn
+}
+
+/// A text in lines of at most so many characters, cut between words where it can
+/// be.
+fn wrapped(text: &str, width: usize) -> Vec<String> {
+    let mut lines = vec![String::new()];
+    for word in text.split(' ') {
+        let last = lines.len() - 1;
+        let length = lines[last].chars().count();
+        if length > 0 && length + 1 + word.chars().count() > width {
+            lines.push(word.to_owned());
+        } else {
+            if length > 0 {
+                lines[last].push(' ');
+            }
+            lines[last].push_str(word);
+        }
+    }
+    lines
+}
+
+/// The help over the picture, from its line `first` on.
+pub(crate) fn help(cells: &mut Cells, first: usize) {
+    let page = page(cells.rows());
+    let lines = help_lines(cells.columns());
+    for (row, line) in (0..).zip(lines.iter().skip(first).take(page)) {
+        fill(cells, row);
+        cells.text(1, row, &line.keys, INK, PAPER);
+        cells.text(line.column, row, &line.what, line.ink, PAPER);
     }
 }
 
@@ -133,8 +200,8 @@ fn page(rows: u16) -> usize {
 }
 
 /// The first line of the help that still fills the screen.
-pub(crate) fn clamped(first: usize, (_, rows): (u16, u16)) -> usize {
-    first.min(keys::help().len().saturating_sub(page(rows)))
+pub(crate) fn clamped(first: usize, (columns, rows): (u16, u16)) -> usize {
+    first.min(help_lines(columns).len().saturating_sub(page(rows)))
 }
 
 /// The first line of the help after a key; `None`: the key closes it.
@@ -150,4 +217,30 @@ pub(crate) fn scrolled(first: usize, key: Key, size: (u16, u16)) -> Option<usize
         _ => return None,
     };
     Some(clamped(wanted, size))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_help_loses_no_word_on_a_narrow_screen() {
+        let words = |columns: u16| {
+            let lines = help_lines(columns);
+            let texts = lines
+                .iter()
+                .flat_map(|line| [line.keys.clone(), line.what.clone()]);
+            texts
+                .collect::<Vec<_>>()
+                .join(" ")
+                .split_whitespace()
+                .map(str::to_owned)
+                .collect::<Vec<_>>()
+        };
+        assert_eq!(words(40), words(400));
+        for line in help_lines(60) {
+            let end = usize::from(line.column) + line.what.chars().count();
+            assert!(end < 60, "{}", line.what);
+        }
+    }
 }

@@ -155,7 +155,10 @@ impl Program {
             help: None,
             status: Status::default(),
         };
-        program.status.say("? shows the keys");
+        program.status.say(match program.scene.lights.is_empty() {
+            true => "no lights to move; n p makes one, ? shows the keys",
+            false => "? shows the keys",
+        });
         let mut effects = vec![
             Effect::Watch(program.watched(loaded_at)),
             program.prepare(false),

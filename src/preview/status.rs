@@ -58,7 +58,10 @@ impl Status {
     /// A frame was written, or not.
     pub(super) fn wrote(&mut self, path: &Path, written: Result<String, String>) {
         match written {
-            Ok(digest) => self.say(format!("wrote {}; digest {digest}", path.display())),
+            Ok(digest) => {
+                let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+                self.say(format!("wrote {}; digest {digest}", path.display()));
+            }
             Err(error) => self.fail(error),
         }
     }
@@ -126,7 +129,7 @@ impl Status {
         });
         figures.push(format!("{:.1} ms", stages.total_ms()));
         match self.stated_error {
-            _ if *lacks_bake => figures.push("direct light alone".to_owned()),
+            _ if *lacks_bake => figures.push("no bounces and no sky yet".to_owned()),
             Some(error) => figures.push(format!("error {:.1} %", 100.0 * error)),
             None => {}
         }

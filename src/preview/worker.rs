@@ -9,7 +9,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::Sender;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use super::message::Message;
 use super::painter::{Painter, Sharpness, Wish};
@@ -57,8 +57,10 @@ struct Orders {
 }
 
 impl Worker {
+    /// Starts it; two drafts are at least `pace` apart.
     pub(crate) fn start(
         preparation: &Preparation,
+        pace: Duration,
         queue: Sender<Message>,
     ) -> std::io::Result<Self> {
         let shared = Arc::new(Shared {
@@ -72,6 +74,8 @@ impl Worker {
             queue,
             level: preparation.level,
             painter: None,
+            pace,
+            last_draft: None,
         };
         let thread = std::thread::Builder::new().name("draw".to_owned());
         Ok(Self {
@@ -123,6 +127,8 @@ struct Drawing {
     queue: Sender<Message>,
     level: Level,
     painter: Option<Painter>,
+    pace: Duration,
+    last_draft: Option<Instant>,
 }
 
 /// Stops a job whose wish is no longer the newest; a draft goes on, so that there
@@ -172,7 +178,15 @@ impl Drawing {
             }
             let step = current.as_ref().and_then(|(_, wish)| self.step(wish));
             match step {
-                Some(Sharpness::Draft(_)) => return None,
+                Some(Sharpness::Draft(_)) => {
+                    let since = self.last_draft.map(|last| last.elapsed());
+                    let left = since.and_then(|since| self.pace.checked_sub(since));
+                    let Some(left) = left.filter(|left| !left.is_zero()) else {
+                        return None;
+                    };
+                    let waited = self.shared.wake.wait_timeout(orders, left);
+                    orders = waited.unwrap_or_else(PoisonError::into_inner).0;
+                }
                 // Sharper pictures are begun once nothing changes.
                 Some(_) => {
                     let waited = self.shared.wake.wait_timeout(orders, RESTS_AFTER);
@@ -200,6 +214,9 @@ impl Drawing {
             return;
         };
         let is_draft = matches!(painter.next_step(wish), Some(Sharpness::Draft(_)));
+        if is_draft {
+            self.last_draft = Some(Instant::now());
+        }
         let progress = Superseded {
             shared: &self.shared,
             number,
@@ -252,7 +269,6 @@ impl Drawing {
 #[cfg(test)]
 mod tests {
     use std::sync::mpsc::{Receiver, channel};
-    use std::time::Instant;
 
     use super::*;
     use crate::bake::Scheme;
@@ -306,7 +322,7 @@ mod tests {
     fn the_newest_wish_is_drawn_to_the_end_and_then_nothing() {
         let scene = room();
         let (queue, messages) = channel();
-        let worker = Worker::start(&preparation(), queue).unwrap();
+        let worker = Worker::start(&preparation(), Duration::ZERO, queue).unwrap();
         // A wish may come before there is anything to draw it with.
         worker.show(1, wish(&scene, 30));
         worker.send(Errand::Adopt(Box::new(Renderer::new(scene.clone(), None))));
@@ -327,7 +343,7 @@ mod tests {
     fn a_wish_for_another_scene_draws_nothing_and_does_not_spin() {
         let scene = room();
         let (queue, messages) = channel();
-        let worker = Worker::start(&preparation(), queue).unwrap();
+        let worker = Worker::start(&preparation(), Duration::ZERO, queue).unwrap();
         worker.send(Errand::Adopt(Box::new(Renderer::new(scene.clone(), None))));
         let mut other = wish(&scene, 30);
         other.materials.push(other.materials[0].clone());

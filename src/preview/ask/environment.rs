@@ -51,6 +51,11 @@ impl Environment {
         self.is_tmux || self.is_screen
     }
 
+    /// Whether the terminal can do nothing but print.
+    pub(crate) fn is_dumb(&self) -> bool {
+        self.term == "dumb"
+    }
+
     /// Whether the terminal may be asked: consoles and terminals of no kind print
     /// questions or swallow what follows.
     pub(crate) fn may_be_asked(&self) -> bool {

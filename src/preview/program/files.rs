@@ -10,6 +10,9 @@ use crate::preview::watch::Watched;
 use crate::preview::worker::Errand;
 use crate::scene::{Override, Saved, Scene, save_file};
 
+/// What is added to the scene file's name for changes that were not saved: an
+/// ending that no scene has.
+const UNSAVED: &str = ".unsaved";
 /// Most pictures of one scene in a folder.
 const MOST_PICTURES: u32 = 10_000;
 
@@ -76,6 +79,23 @@ impl Program {
             }
             Err(error) => self.fails(format!("cannot write {}: {error}", file.path.display())),
         }
+    }
+
+    /// Puts changes that were not saved into a file beside the scene's; gives its
+    /// path, if there are any and it could be written.
+    pub(crate) fn rescue(&self) -> Option<PathBuf> {
+        if !self.hands.is_unsaved() {
+            return None;
+        }
+        let file = &self.file;
+        let bytes = self
+            .hands
+            .saved_bytes(&file.bytes, &file.path, &file.overrides)
+            .ok()?;
+        let mut name = file.path.clone().into_os_string();
+        name.push(UNSAVED);
+        let path = PathBuf::from(name);
+        save_file(&path, None, &bytes).ok().map(|_| path)
     }
 
     /// The scene of the file is what was edited.

@@ -490,3 +490,16 @@ fn one_question_stands_at_a_time_and_saving_ends_in_the_end() {
         "it has waited"
     );
 }
+
+#[test]
+fn what_was_not_saved_is_beside_the_scene() {
+    let mut table = Table::new((80, 12));
+    assert_eq!(table.program.rescue(), None, "nothing has changed");
+    table.key("Tab");
+    table.key("i");
+    let path = table.program.rescue().expect("there is something");
+    assert_eq!(path, table.folder.path().join("scene.toml.unsaved"));
+    let rescued = fs::read_to_string(path).unwrap();
+    assert!(rescued != SCENE && rescued.contains("# the only one"));
+    assert_eq!(fs::read_to_string(table.path()).unwrap(), SCENE);
+}

@@ -22,7 +22,7 @@ mod tty;
 
 use std::io;
 use std::sync::Arc;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use crossterm::event::Event;
 
@@ -35,6 +35,11 @@ use shared::{Frame, Shared};
 use tty::Tty;
 
 pub(crate) use shared::Written;
+
+/// Time between two pictures: 40 a second.
+const PACE: Duration = Duration::from_millis(25);
+/// The same over a network: 15 a second, of 50 KB each on a usual screen.
+const REMOTE_PACE: Duration = Duration::from_millis(66);
 
 /// What a user asks of the screen.
 #[derive(Debug, Clone, Copy, Default)]
@@ -71,6 +76,11 @@ pub(crate) enum ScreenError {
     /// A pipe, a file or nothing.
     #[error("{0} is no terminal; `relume render` writes a picture without one")]
     NoTerminal(&'static str),
+    /// One whose cursor cannot be moved.
+    #[error(
+        "a terminal of TERM={0} shows no pictures; `relume render` writes one without a terminal"
+    )]
+    Dumb(String),
     /// The system said no.
     #[error("the terminal could not be set up")]
     Setup(#[from] io::Error),
@@ -83,6 +93,7 @@ pub(crate) struct Screen {
     typed: Vec<Event>,
     asked: Instant,
     is_answered: bool,
+    is_remote: bool,
     #[cfg(unix)]
     _signals: signals::Listening,
 }
@@ -102,11 +113,15 @@ impl Screen {
         settings: ScreenSettings,
         notify: impl Fn(Notice) + Send + Sync + 'static,
     ) -> Result<Self, ScreenError> {
-        let shared = Arc::new(Shared::new(Tty::open()?, Box::new(notify)));
+        let environment = Environment::of_process();
+        let tty = Tty::open()?;
+        if environment.is_dumb() {
+            return Err(ScreenError::Dumb(environment.term));
+        }
+        let shared = Arc::new(Shared::new(tty, Box::new(notify)));
         hook::watch(&shared);
         #[cfg(unix)]
         let signals = signals::listen(&shared)?;
-        let environment = Environment::of_process();
         let asked = Instant::now();
         let heard = shared
             .enter()
@@ -120,6 +135,7 @@ impl Screen {
             abilities,
             typed: typed_events(&heard.rest),
             asked,
+            is_remote: environment.is_remote,
             is_answered: heard.answers.is_complete() || !environment.may_be_asked(),
             #[cfg(unix)]
             _signals: signals,
@@ -187,6 +203,12 @@ impl Screen {
     /// Width and height of a cell in pixels, if the terminal says.
     pub(crate) fn cell_px(&self) -> Option<(u16, u16)> {
         cell_px(&self.abilities, &self.shared.tty)
+    }
+
+    /// Least time between two pictures that change: a network holds what is too
+    /// much for it, and shows it late.
+    pub(crate) fn pace(&self) -> Duration {
+        if self.is_remote { REMOTE_PACE } else { PACE }
     }
 
     /// What of the terminal is used.
