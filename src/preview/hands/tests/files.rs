@@ -1,0 +1,55 @@
+//! What is saved, and what is read again.
+
+use super::*;
+
+#[test]
+fn a_reload_keeps_what_is_muted_and_can_be_undone() {
+    let mut room = Room::new();
+    room.keys("Tab Tab m Right");
+    let mut scene = room.scene.clone();
+    scene.lights.remove(0);
+    room.hands.reload(&scene);
+    let lights = &room.hands.document().lights;
+    assert_eq!((lights.len(), lights[0].is_muted), (4, true));
+    assert!(!room.hands.is_unsaved());
+    room.keys("u");
+    assert_eq!(room.hands.document().lights.len(), 5);
+    assert!(room.hands.is_unsaved());
+}
+
+#[test]
+fn a_sky_with_a_map_keeps_its_map() {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/courtyard/evening.toml");
+    let scene = Scene::load(path.as_ref(), &[]).unwrap();
+    let sky = scene.lights.iter().position(|light| {
+        matches!(&light.kind, LightKind::Environment(sky) if matches!(sky.radiance, crate::scene::Radiance::Map(_)))
+    });
+    let mut room = Room::new();
+    room.hands = Hands::new(&scene, Component::Global);
+    let bytes = fs::read(path).unwrap();
+    let unchanged = room.hands.saved_bytes(&bytes, path.as_ref(), &[]);
+    assert_eq!(unchanged.unwrap(), bytes);
+    for _ in 0..=sky.unwrap() {
+        room.keys("Tab");
+    }
+    for key in ["t", "c", "g", "n n"] {
+        let outcome = room.keys(key);
+        assert!(
+            !outcome.changed.any() && outcome.message.unwrap().contains("map"),
+            "{key}"
+        );
+    }
+    assert!(room.keys("i").changed.lights);
+    assert!(room.keys("x").changed.lights);
+    let new = room.hands.saved_bytes(&bytes, path.as_ref(), &[]).unwrap();
+    let [new, old] = [&new, &bytes].map(|bytes| String::from_utf8(bytes.clone()).unwrap());
+    let lines = |text: &str| text.lines().map(str::to_owned).collect::<Vec<_>>();
+    let kept = lines(&old)
+        .iter()
+        .filter(|line| lines(&new).contains(line))
+        .count();
+    assert!(
+        kept >= lines(&old).len() - 2 && new.contains("map = "),
+        "{new}"
+    );
+}
