@@ -1,5 +1,7 @@
 //! What is saved, and what is read again.
 
+use glam::Vec3;
+
 use super::*;
 
 #[test]
@@ -52,4 +54,42 @@ fn a_sky_with_a_map_keeps_its_map() {
         kept >= lines(&old).len() - 2 && new.contains("map = "),
         "{new}"
     );
+}
+
+/// The albedo that a material has now.
+fn albedo(room: &Room, name: &str) -> Vec3 {
+    let mut names = room.hands.material_names.iter();
+    let index = names.position(|known| known == name).unwrap();
+    room.hands.document().albedos[index]
+}
+
+#[test]
+fn a_reload_with_other_materials_is_undone_by_their_names() {
+    let mut room = Room::new();
+    room.hands.selection = Selection::Surface(1);
+    room.keys("I Tab i");
+    room.hands.selection = Selection::Surface(1);
+    let lights = room.hands.document().lights();
+    let names: Vec<String> = room
+        .scene
+        .materials
+        .iter()
+        .map(|m| m.name.clone())
+        .collect();
+    let darker = albedo(&room, &names[1]);
+    let mut scene = room.scene.clone();
+    scene.materials.reverse();
+    let last = scene.materials.len() - 1;
+    scene.materials[last].name = "another".to_owned();
+    scene.materials[last].albedo = Vec3::splat(0.125);
+    room.hands.reload(&scene);
+    assert_eq!(albedo(&room, &names[1]), room.scene.materials[1].albedo);
+    assert_eq!(room.hands.selected_name(), Some(names[1].as_str()));
+    assert_eq!(room.keys("u").message.as_deref(), Some("undone"));
+    assert_eq!(room.hands.document().lights(), lights);
+    assert_eq!(albedo(&room, &names[1]), darker);
+    assert_eq!(albedo(&room, "another"), Vec3::splat(0.125));
+    assert_eq!(room.hands.document().albedos.len(), scene.materials.len());
+    room.keys("u u");
+    assert_eq!(albedo(&room, &names[1]), room.scene.materials[1].albedo);
 }
