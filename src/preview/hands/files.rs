@@ -7,7 +7,7 @@ use glam::Vec3;
 
 use super::{Gesture, Hands, Selection};
 use crate::preview::document::Document;
-use crate::scene::{Edited, Light, Override, SaveError, Scene, edited_bytes};
+use crate::scene::{Edited, EditedFile, Light, Override, SaveError, Scene, edited_file};
 
 impl Hands {
     /// What is now is what the file holds.
@@ -15,22 +15,21 @@ impl Hands {
         self.saved = self.document.clone();
     }
 
-    /// The bytes of the scene file with what was edited since it was loaded or
-    /// saved last, when it held `bytes`; `overrides` as it was loaded with. Mute and
-    /// solo are not saved.
+    /// The scene file with what was edited since it was loaded or saved last, when
+    /// it held `bytes`; `overrides` as they held then. Mute and solo are not saved.
     ///
     /// # Errors
-    /// As [`edited_bytes`].
-    pub(crate) fn saved_bytes(
+    /// As [`edited_file`].
+    pub(crate) fn saved_file(
         &self,
         bytes: &[u8],
         path: &Path,
         overrides: &[Override],
-    ) -> Result<Vec<u8>, SaveError> {
+    ) -> Result<EditedFile, SaveError> {
         let lights = [&self.saved, &self.document].map(Document::lights);
         let loaded = self.as_saved(&self.saved, &lights[0]);
         let edited = self.as_saved(&self.document, &lights[1]);
-        edited_bytes(bytes, path, overrides, loaded, edited)
+        edited_file(bytes, path, overrides, loaded, edited)
     }
 
     fn as_saved<'a>(&'a self, document: &'a Document, lights: &'a [Light]) -> Edited<'a> {

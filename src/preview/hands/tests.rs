@@ -134,8 +134,9 @@ impl Room {
     /// Saves, reads back and takes the new file as the one that was loaded.
     fn save(&mut self) -> String {
         let bytes = fs::read(&self.path).unwrap();
-        let new = self.hands.saved_bytes(&bytes, &self.path, &[]);
+        let new = self.hands.saved_file(&bytes, &self.path, &[]);
         let new = new.unwrap_or_else(|error| panic!("{error}: {:?}", self.hands.document()));
+        let new = new.bytes;
         fs::write(&self.path, &new).unwrap();
         let scene = Scene::load(&self.path, &[]).unwrap();
         let read = Document::of_scene(&scene, Component::Global);

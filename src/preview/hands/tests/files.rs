@@ -29,8 +29,8 @@ fn a_sky_with_a_map_keeps_its_map() {
     let mut room = Room::new();
     room.hands = Hands::new(&scene, Component::Global);
     let bytes = fs::read(path).unwrap();
-    let unchanged = room.hands.saved_bytes(&bytes, path.as_ref(), &[]);
-    assert_eq!(unchanged.unwrap(), bytes);
+    let unchanged = room.hands.saved_file(&bytes, path.as_ref(), &[]);
+    assert_eq!(unchanged.unwrap().bytes, bytes);
     for _ in 0..=sky.unwrap() {
         room.keys("Tab");
     }
@@ -43,8 +43,8 @@ fn a_sky_with_a_map_keeps_its_map() {
     }
     assert!(room.keys("i").changed.lights);
     assert!(room.keys("x").changed.lights);
-    let new = room.hands.saved_bytes(&bytes, path.as_ref(), &[]).unwrap();
-    let [new, old] = [&new, &bytes].map(|bytes| String::from_utf8(bytes.clone()).unwrap());
+    let new = room.hands.saved_file(&bytes, path.as_ref(), &[]).unwrap();
+    let [new, old] = [&new.bytes, &bytes].map(|bytes| String::from_utf8(bytes.clone()).unwrap());
     let lines = |text: &str| text.lines().map(str::to_owned).collect::<Vec<_>>();
     let kept = lines(&old)
         .iter()
