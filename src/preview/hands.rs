@@ -62,6 +62,8 @@ enum Gesture {
     Burst(Command, Selection),
     /// The how manieth gesture it is: never the same as another.
     Single(u64),
+    /// The scene's files were read again.
+    Reload,
 }
 
 /// A state to return to.

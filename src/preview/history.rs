@@ -44,6 +44,14 @@ impl<S, G: PartialEq> History<S, G> {
         self.last = None;
     }
 
+    /// Changes every state that can be returned to.
+    pub(crate) fn for_each(&mut self, change: impl FnMut(&mut S)) {
+        self.past
+            .iter_mut()
+            .chain(&mut self.future)
+            .for_each(change);
+    }
+
     /// The state before the last step; `present` is what redo returns to.
     pub(crate) fn undo(&mut self, present: S) -> Option<S> {
         self.last = None;

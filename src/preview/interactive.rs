@@ -12,6 +12,7 @@ use super::screen::{Screen, ScreenSettings};
 use super::watch::Watch;
 use super::worker::Worker;
 use super::{PreviewError, PreviewSettings};
+use crate::scene::Override;
 
 /// What a session has besides the program.
 struct Session<'a> {
@@ -138,7 +139,7 @@ impl Session<'_> {
                     // The one before is stopped when it is dropped.
                     self.preparing = Some(Preparing::start(wanted, *scene, preparation, queue));
                 }
-                Effect::Load(number) => self.load(number),
+                Effect::Load(number) => self.load(number, program.overrides().to_vec()),
                 Effect::Watch(watched) => match &self.watch {
                     Some(watch) => watch.look_at(watched),
                     None => self.watch = Some(Watch::start(watched, self.queue.clone())),
@@ -154,8 +155,8 @@ impl Session<'_> {
     }
 
     /// Reads the scene again, in a thread of its own.
-    fn load(&self, number: u64) {
-        let (path, overrides) = (self.settings.scene.clone(), self.settings.overrides.clone());
+    fn load(&self, number: u64, overrides: Vec<Override>) {
+        let path = self.settings.scene.clone();
         let queue = self.queue.clone();
         let thread = std::thread::Builder::new().name("load".to_owned());
         let started = thread.spawn(move || {

@@ -224,23 +224,6 @@ pub(crate) fn help() -> Vec<(String, &'static str)> {
     lines
 }
 
-/// The keys as a table of Markdown, for the README.
-#[cfg(test)]
-pub(crate) fn markdown() -> String {
-    let keys = ROWS.iter().map(|row| {
-        let keys = shown_keys(row).replace(' ', "` `").replace('|', "\\|");
-        format!("| `{keys}` | {} |\n", row.help)
-    });
-    let mouse = MOUSE
-        .iter()
-        .map(|(what, help)| format!("| {what} | {help} |\n"));
-    format!(
-        "| key | what |\n|---|---|\n{}{}",
-        keys.collect::<String>(),
-        mouse.collect::<String>()
-    )
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -292,7 +275,6 @@ mod tests {
         for expected in ["Tab Shift-Tab", "u U Ctrl-R", "n n Ctrl-D", "+ = - *"] {
             assert!(keys.contains(&expected), "{keys:?}");
         }
-        assert!(markdown().contains("| `Tab` `Shift-Tab` | next, previous light |"));
         assert!(continuations(Key::parse("n").unwrap()).contains("p new point light"));
     }
 }

@@ -62,6 +62,7 @@ pub(crate) enum Effect {
 /// A scene file and what the command line changes of it.
 pub(crate) struct SceneFile {
     pub(crate) path: PathBuf,
+    /// Those that still hold: the file gives what was edited and saved.
     pub(crate) overrides: Vec<Override>,
     /// What the file holds, as far as the program knows.
     pub(crate) bytes: Vec<u8>,
@@ -312,6 +313,11 @@ impl Program {
             return Vec::new();
         }
         vec![Effect::Quit(0)]
+    }
+
+    /// What is changed of the scene file whenever it is read.
+    pub(crate) fn overrides(&self) -> &[Override] {
+        &self.file.overrides
     }
 
     fn fails(&mut self, error: String) -> Vec<Effect> {

@@ -211,7 +211,7 @@ impl Runner<'_> {
                 Effect::Send(errand) => self.send(errand)?,
                 Effect::Prepare(wanted, scene) => self.prepare(wanted, *scene)?,
                 Effect::Load(number) => {
-                    let loaded = load(&self.settings.scene, &self.settings.overrides);
+                    let loaded = load(&self.settings.scene, self.program.overrides());
                     self.tell(Message::Loaded { number, loaded })?;
                 }
                 Effect::Redraw => self.encoder.forget(),

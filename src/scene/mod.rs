@@ -48,7 +48,7 @@ pub use material::Material;
 pub(crate) use mesh::same_corners;
 pub use mesh::{Mesh, MeshTriangle};
 pub(crate) use placement::Placement;
-pub(crate) use save::{Edited, SaveError, Saved, edited_bytes, save_file};
+pub(crate) use save::{Edited, EditedFile, SaveError, Saved, edited_file, save_file};
 
 use crate::texture::TextureFilter;
 

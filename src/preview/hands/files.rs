@@ -3,11 +3,11 @@
 use std::path::Path;
 use std::time::Duration;
 
-use super::Hands;
-use crate::preview::command::Command;
+use glam::Vec3;
+
+use super::{Gesture, Hands, Selection};
 use crate::preview::document::Document;
-use crate::preview::history::History;
-use crate::scene::{Edited, Light, Override, SaveError, Scene, edited_bytes};
+use crate::scene::{Edited, EditedFile, Light, Override, SaveError, Scene, edited_file};
 
 impl Hands {
     /// What is now is what the file holds.
@@ -15,22 +15,21 @@ impl Hands {
         self.saved = self.document.clone();
     }
 
-    /// The bytes of the scene file with what was edited since it was loaded or
-    /// saved last, when it held `bytes`; `overrides` as it was loaded with. Mute and
-    /// solo are not saved.
+    /// The scene file with what was edited since it was loaded or saved last, when
+    /// it held `bytes`; `overrides` as they held then. Mute and solo are not saved.
     ///
     /// # Errors
-    /// As [`edited_bytes`].
-    pub(crate) fn saved_bytes(
+    /// As [`edited_file`].
+    pub(crate) fn saved_file(
         &self,
         bytes: &[u8],
         path: &Path,
         overrides: &[Override],
-    ) -> Result<Vec<u8>, SaveError> {
+    ) -> Result<EditedFile, SaveError> {
         let lights = [&self.saved, &self.document].map(Document::lights);
         let loaded = self.as_saved(&self.saved, &lights[0]);
         let edited = self.as_saved(&self.document, &lights[1]);
-        edited_bytes(bytes, path, overrides, loaded, edited)
+        edited_file(bytes, path, overrides, loaded, edited)
     }
 
     fn as_saved<'a>(&'a self, document: &'a Document, lights: &'a [Light]) -> Edited<'a> {
@@ -44,8 +43,8 @@ impl Hands {
     }
 
     /// Takes over a scene whose files were changed by someone else. Lights that
-    /// were muted or soloed still are, and undo returns to what was before unless
-    /// the materials are others.
+    /// were muted or soloed still are, and undo returns to what was before; of
+    /// materials that have come since then it leaves the albedos alone.
     pub(crate) fn reload(&mut self, scene: &Scene) {
         let mut document = Document::of_scene(scene, self.document.component);
         for edited in &mut document.lights {
@@ -54,12 +53,15 @@ impl Hands {
                 (edited.is_muted, edited.is_soloed) = (known.is_muted, known.is_soloed);
             }
         }
+        self.history.record(
+            (self.document.clone(), self.selection),
+            Gesture::Reload,
+            Duration::ZERO,
+        );
+        self.history.end_gesture();
         let names: Vec<String> = scene.materials.iter().map(|m| m.name.clone()).collect();
-        if names == self.material_names {
-            self.record(Command::ResetView, Duration::ZERO, true);
-        } else {
-            self.history = History::default();
-            self.material_names = names;
+        if names != self.material_names {
+            self.rename_materials(names, &document.albedos);
         }
         self.saved = document.clone();
         self.document = document;
@@ -68,6 +70,47 @@ impl Hands {
         self.drag = None;
         self.clamp_selection();
     }
+
+    /// Materials of other names, or in another order, with their albedos: all that
+    /// can be undone, and what is selected, is of them from now on.
+    fn rename_materials(&mut self, names: Vec<String>, albedos: &[Vec3]) {
+        let old = std::mem::replace(&mut self.material_names, names);
+        let origins = origins(&old, &self.material_names);
+        let moved = |selection: &mut Selection| {
+            if let Selection::Surface(index) = *selection {
+                let mut new = origins.iter();
+                let new = new.position(|origin| *origin == Some(index));
+                *selection = new.map_or(Selection::Nothing, Selection::Surface);
+            }
+        };
+        self.history.for_each(|(document, selection)| {
+            let known = |origin: &Option<usize>| document.albedos.get((*origin)?).copied();
+            let pairs = origins.iter().zip(albedos);
+            document.albedos = pairs
+                .map(|(origin, new)| known(origin).unwrap_or(*new))
+                .collect();
+            moved(selection);
+        });
+        moved(&mut self.selection);
+    }
+}
+
+/// Of each material the old one of its name. A second one of a name has the albedo
+/// of the first.
+fn origins(old: &[String], new: &[String]) -> Vec<Option<usize>> {
+    let count_before = |names: &[String], index: usize| {
+        names[..index]
+            .iter()
+            .filter(|it| **it == names[index])
+            .count()
+    };
+    let of_name = |index: usize| {
+        let same = || (0..old.len()).filter(|&known| old[known] == new[index]);
+        same()
+            .nth(count_before(new, index))
+            .or_else(|| same().next())
+    };
+    (0..new.len()).map(of_name).collect()
 }
 
 /// Lights that `[[animate]]` or `set` of `[golden]` point at: without them the file

@@ -1,5 +1,7 @@
 //! What a person does, and what comes of it.
 
+mod drags;
+mod files;
 mod sequences;
 
 use std::fs;
@@ -132,8 +134,9 @@ impl Room {
     /// Saves, reads back and takes the new file as the one that was loaded.
     fn save(&mut self) -> String {
         let bytes = fs::read(&self.path).unwrap();
-        let new = self.hands.saved_bytes(&bytes, &self.path, &[]);
+        let new = self.hands.saved_file(&bytes, &self.path, &[]);
         let new = new.unwrap_or_else(|error| panic!("{error}: {:?}", self.hands.document()));
+        let new = new.bytes;
         fs::write(&self.path, &new).unwrap();
         let scene = Scene::load(&self.path, &[]).unwrap();
         let read = Document::of_scene(&scene, Component::Global);
@@ -195,98 +198,6 @@ fn undo_takes_bursts_and_drags_back_as_a_whole() {
     room.keys("U ctrl+r");
     assert_eq!(room.position(0), dragged);
     assert!(room.hands.is_unsaved());
-}
-
-#[test]
-fn a_dragged_light_stays_under_the_pointer_and_at_its_depth() {
-    for (index, held) in [(0, Held::NONE), (1, Held::NONE), (3, Held::NONE)] {
-        let mut room = Room::new();
-        let eye = room.view.eye(&room.hands.document().camera);
-        let before = eye.project(room.position(index));
-        let [column, row] = room.cell_of(index);
-        room.drag(Button::Left, held, &[[column, row], [column - 4, row + 3]]);
-        let after = eye.project(room.position(index));
-        assert!((after.depth - before.depth).abs() < 1e-6, "{index}");
-        let by = after.px - before.px;
-        assert!(
-            (by - DVec2::new(-4.0, 6.0)).length() < 1e-4,
-            "{index}: {by}"
-        );
-    }
-}
-
-#[test]
-fn ctrl_alt_shift_and_the_right_button_drag_along_the_view() {
-    let alt = Held {
-        alt: true,
-        ..Held::NONE
-    };
-    for (button, held) in [(Button::Right, Held::NONE), (Button::Left, alt)] {
-        let mut room = Room::new();
-        let eye = room.view.eye(&room.hands.document().camera);
-        let before = eye.project(room.position(0));
-        let [column, row] = room.cell_of(0);
-        room.drag(button, held, &[[column, row], [column, row - 2]]);
-        let after = eye.project(room.position(0));
-        assert!((after.px - before.px).length() < 1e-4);
-        assert!(after.depth > before.depth * 1.2);
-    }
-}
-
-#[test]
-fn a_sun_follows_the_pointer_and_a_sky_turns() {
-    let mut room = Room::new();
-    let [column, row] = room.cell_of(2);
-    let before = room.hands.marks(&room.view)[2].px;
-    room.drag(
-        Button::Left,
-        Held::NONE,
-        &[[column, row], [column + 3, row + 1]],
-    );
-    let by = room.hands.marks(&room.view)[2].px - before;
-    assert!((by - DVec2::new(3.0, 2.0)).length() < 1e-3, "{by}");
-    let [column, row] = room.cell_of(4);
-    room.drag(
-        Button::Left,
-        Held::NONE,
-        &[[column, row], [column - 4, row]],
-    );
-    let LightKind::Environment(sky) = room.light(4) else {
-        panic!()
-    };
-    assert_eq!(sky.rotation_deg, 6.0, "36 degrees on from -30");
-}
-
-#[test]
-fn clicks_select_marks_then_surfaces_and_drags_elsewhere_orbit() {
-    let mut room = Room::new();
-    let click = |room: &mut Room, cell| {
-        room.mouse(Action::Press(Button::Left), cell, Held::NONE);
-        room.mouse(Action::Release(Button::Left), cell, Held::NONE)
-    };
-    let cell = room.cell_of(0);
-    click(&mut room, cell);
-    assert_eq!(room.hands.selection(), Selection::Light(0));
-    click(&mut room, [30, 13]);
-    assert_eq!(room.hands.selection(), Selection::Surface(1));
-    room.keys("I");
-    let albedos = &room.hands.document().albedos;
-    assert!(albedos[1].x < room.scene.materials[1].albedo.x);
-    click(&mut room, [4, 14]);
-    assert_eq!(room.hands.selection(), Selection::Nothing);
-    let camera = room.hands.document().camera;
-    room.drag(Button::Left, Held::NONE, &[[4, 14], [8, 14]]);
-    let orbited = room.hands.document().camera;
-    assert!(orbited.position != camera.position && orbited.target == camera.target);
-    room.drag(Button::Middle, Held::NONE, &[[4, 14], [8, 14]]);
-    assert!(room.hands.document().camera.target != camera.target);
-    room.mouse(Action::ScrollUp, [8, 8], Held::NONE);
-    room.keys("v");
-    assert_eq!(room.hands.document().camera, camera);
-    assert_eq!(
-        room.mouse(Action::Press(Button::Left), [60, 14], Held::NONE),
-        Outcome::default()
-    );
 }
 
 #[test]
@@ -362,21 +273,6 @@ fn keys_of_the_picture() {
 }
 
 #[test]
-fn a_reload_keeps_what_is_muted_and_can_be_undone() {
-    let mut room = Room::new();
-    room.keys("Tab Tab m Right");
-    let mut scene = room.scene.clone();
-    scene.lights.remove(0);
-    room.hands.reload(&scene);
-    let lights = &room.hands.document().lights;
-    assert_eq!((lights.len(), lights[0].is_muted), (4, true));
-    assert!(!room.hands.is_unsaved());
-    room.keys("u");
-    assert_eq!(room.hands.document().lights.len(), 5);
-    assert!(room.hands.is_unsaved());
-}
-
-#[test]
 fn marks_are_drawn_over_the_picture_and_can_be_hidden() {
     let mut room = Room::new();
     let size = room.view.size_px;
@@ -394,53 +290,4 @@ fn marks_are_drawn_over_the_picture_and_can_be_hidden() {
     );
     room.keys("Space");
     assert_eq!(room.hands.with_marks(&picture, &room.view), picture);
-}
-
-#[test]
-fn a_drag_that_begins_without_effect_is_undone_too() {
-    let mut room = Room::new();
-    let sky = room.cell_of(4);
-    // Up and down turns no sky.
-    let cells = [sky, [sky[0], sky[1] + 1], [sky[0] - 3, sky[1] + 1]];
-    room.drag(Button::Left, Held::NONE, &cells);
-    assert!(room.hands.is_unsaved());
-    room.keys("u");
-    assert!(!room.hands.is_unsaved());
-}
-
-#[test]
-fn a_sky_with_a_map_keeps_its_map() {
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/courtyard/evening.toml");
-    let scene = Scene::load(path.as_ref(), &[]).unwrap();
-    let sky = scene.lights.iter().position(|light| {
-        matches!(&light.kind, LightKind::Environment(sky) if matches!(sky.radiance, crate::scene::Radiance::Map(_)))
-    });
-    let mut room = Room::new();
-    room.hands = Hands::new(&scene, Component::Global);
-    let bytes = fs::read(path).unwrap();
-    let unchanged = room.hands.saved_bytes(&bytes, path.as_ref(), &[]);
-    assert_eq!(unchanged.unwrap(), bytes);
-    for _ in 0..=sky.unwrap() {
-        room.keys("Tab");
-    }
-    for key in ["t", "c", "g", "n n"] {
-        let outcome = room.keys(key);
-        assert!(
-            !outcome.changed.any() && outcome.message.unwrap().contains("map"),
-            "{key}"
-        );
-    }
-    assert!(room.keys("i").changed.lights);
-    assert!(room.keys("x").changed.lights);
-    let new = room.hands.saved_bytes(&bytes, path.as_ref(), &[]).unwrap();
-    let [new, old] = [&new, &bytes].map(|bytes| String::from_utf8(bytes.clone()).unwrap());
-    let lines = |text: &str| text.lines().map(str::to_owned).collect::<Vec<_>>();
-    let kept = lines(&old)
-        .iter()
-        .filter(|line| lines(&new).contains(line))
-        .count();
-    assert!(
-        kept >= lines(&old).len() - 2 && new.contains("map = "),
-        "{new}"
-    );
 }

@@ -8,7 +8,7 @@ use super::{BakeState, Effect, Program, QuitsAfter};
 use crate::preview::message::Loaded;
 use crate::preview::watch::Watched;
 use crate::preview::worker::Errand;
-use crate::scene::{Override, Saved, Scene, save_file};
+use crate::scene::{EditedFile, Override, Saved, Scene, save_file};
 
 /// What is added to the scene file's name for changes that were not saved: an
 /// ending that no scene has.
@@ -54,15 +54,16 @@ impl Program {
         let file = &self.file;
         let edited = self
             .hands
-            .saved_bytes(&file.bytes, &file.path, &file.overrides);
-        let bytes = match edited {
-            Ok(bytes) => bytes,
+            .saved_file(&file.bytes, &file.path, &file.overrides);
+        let EditedFile { bytes, overrides } = match edited {
+            Ok(edited) => edited,
             Err(error) => return self.fails(error.to_string()),
         };
         let known = asks.then_some(file.bytes.as_slice());
         match save_file(&file.path, known, &bytes) {
             Ok(Saved::Written) => {
                 self.file.bytes = bytes;
+                self.file.overrides = overrides;
                 self.scene_is_saved();
                 self.status.file_error = None;
                 self.status
@@ -88,14 +89,14 @@ impl Program {
             return None;
         }
         let file = &self.file;
-        let bytes = self
+        let edited = self
             .hands
-            .saved_bytes(&file.bytes, &file.path, &file.overrides)
+            .saved_file(&file.bytes, &file.path, &file.overrides)
             .ok()?;
         let mut name = file.path.clone().into_os_string();
         name.push(UNSAVED);
         let path = PathBuf::from(name);
-        save_file(&path, None, &bytes).ok().map(|_| path)
+        save_file(&path, None, &edited.bytes).ok().map(|_| path)
     }
 
     /// The scene of the file is what was edited.

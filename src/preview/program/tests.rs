@@ -1,5 +1,7 @@
 //! What the program asks for, message by message, without a terminal.
 
+mod overrides;
+
 use std::fs;
 
 use super::*;
@@ -31,14 +33,21 @@ struct Look {
 
 impl Table {
     fn new(size: (u16, u16)) -> Self {
+        Self::under(size, &[])
+    }
+
+    /// With overrides.
+    fn under(size: (u16, u16), sets: &[&str]) -> Self {
+        let overrides = sets.iter().map(|set| Override::parse(set).unwrap());
+        let overrides: Vec<Override> = overrides.collect();
         let folder = tempfile::tempdir().unwrap();
         fs::write(folder.path().join("floor.obj"), MESH).unwrap();
         let path = folder.path().join("scene.toml");
         fs::write(&path, SCENE).unwrap();
-        let loaded = load(&path, &[]);
+        let loaded = load(&path, &overrides);
         let file = SceneFile {
             path,
-            overrides: Vec::new(),
+            overrides,
             bytes: loaded.bytes,
         };
         let scene = *loaded.scene.unwrap();
@@ -72,7 +81,7 @@ impl Table {
     /// What the program has asked to be read.
     fn read(&mut self) {
         let number = self.load_asked().expect("it asks for the files");
-        let loaded = load(&self.path(), &[]);
+        let loaded = load(&self.path(), self.program.overrides());
         self.take(Message::Loaded { number, loaded });
     }
 

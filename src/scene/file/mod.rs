@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 
 use self::fields::{Fields, key_error};
 use self::sections::MaterialKeys;
-pub(crate) use self::target::default_light_name;
+pub(crate) use self::target::{Target, default_light_name};
 use self::tree::{Node, Table};
 use super::images::{Images, Sources};
 use super::place::Place;

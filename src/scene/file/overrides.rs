@@ -47,6 +47,11 @@ impl Override {
         Ok(Self { target, node })
     }
 
+    /// The key that is replaced.
+    pub(crate) fn target(&self) -> &Target {
+        &self.target
+    }
+
     /// The light whose key is replaced, if it is a light's.
     pub(crate) fn light_name(&self) -> Option<&str> {
         self.target.light_name()

@@ -25,6 +25,7 @@ pub use environment::{Environment, Radiance};
 pub(crate) use placed::PlacedLights;
 pub use point::Point;
 pub(crate) use polygon::Polygon;
+pub(in crate::scene) use spot::DEFAULT_CUTOFF_DEG;
 pub use spot::Spot;
 pub(crate) use sun::PlacedSun;
 

@@ -22,7 +22,7 @@ pub(super) const KEYS: &[&str] = &[
 ];
 
 /// Half angle of the cone where the file gives none, degrees.
-const DEFAULT_CUTOFF_DEG: f64 = 30.0;
+pub(in crate::scene) const DEFAULT_CUTOFF_DEG: f64 = 30.0;
 
 /// Share of the cutoff that the beam takes where the file gives no beam.
 const DEFAULT_BEAM_SHARE: f64 = 0.75;

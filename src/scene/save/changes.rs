@@ -1,15 +1,14 @@
 //! What differs between a scene as it was loaded and as it was edited, key by key.
 
-use glam::DVec3;
-
 use super::editor::{Editor, Written};
+use super::in_force::InForce;
 use super::layout::Place;
 use super::values::{
     Keys, Value, camera_keys, changed, kind_name, light_keys, quoted, render_keys, same, written,
 };
-use super::{Edited, SaveError, numbers};
+use super::{Edited, SaveError, spots};
 use crate::scene::file::default_light_name;
-use crate::scene::{Light, LightKind, Spot};
+use crate::scene::{Light, LightKind, Override, Radiance};
 
 /// All that is to be written.
 pub(super) struct Changes<'a> {
@@ -28,22 +27,23 @@ impl<'a> Changes<'a> {
         }
     }
 
-    pub(super) fn apply(&self, editor: &mut Editor) -> Result<(), SaveError> {
-        let keys = changed(
-            camera_keys(self.loaded.camera),
-            camera_keys(self.edited.camera),
-        );
-        set_all(editor, Place::Section("camera"), &keys)?;
-        self.lights(editor)?;
-        self.materials(editor)?;
-        let keys = changed(
-            render_keys(self.loaded.render),
-            render_keys(self.edited.render),
-        );
-        set_all(editor, Place::Section("render"), &keys)
+    /// Writes them; gives the overrides that still hold then.
+    pub(super) fn apply(
+        &self,
+        editor: &mut Editor,
+        overrides: &[Override],
+    ) -> Result<Vec<Override>, SaveError> {
+        let mut in_force = InForce::new(overrides);
+        let cameras = [self.loaded.camera, self.edited.camera].map(camera_keys);
+        set_section(editor, &mut in_force, "camera", cameras)?;
+        self.lights(editor, &mut in_force)?;
+        self.materials(editor, &mut in_force)?;
+        let renders = [self.loaded.render, self.edited.render].map(render_keys);
+        set_section(editor, &mut in_force, "render", renders)?;
+        Ok(in_force.into_overrides())
     }
 
-    fn lights(&self, editor: &mut Editor) -> Result<(), SaveError> {
+    fn lights(&self, editor: &mut Editor, in_force: &mut InForce) -> Result<(), SaveError> {
         let in_file = editor.list("light")?.entries().len();
         if in_file != self.loaded.lights.len() {
             return Err(SaveError::NotTheText(format!(
@@ -53,21 +53,33 @@ impl<'a> Changes<'a> {
         }
         for index in (0..in_file).rev() {
             if !self.origins.contains(&Some(index)) {
+                in_force.settle_light(&self.loaded.lights[index].name, &[]);
                 editor.remove_entry("light", index)?;
             }
         }
+        // From the last to the first: what is edited moves nothing that comes
+        // before it, so that one parsed text serves for all.
+        let kept = self.origins.iter().enumerate();
+        let kept = kept.filter_map(|(index, origin)| Some((index, (*origin)?)));
+        let kept: Vec<(usize, usize)> = kept.collect();
+        for (entry, &(index, origin)) in kept.iter().enumerate().rev() {
+            let place = Place::Entry("light", entry);
+            let edited = &self.edited.lights[index];
+            if index != origin && edited.name == default_light_name(origin) {
+                keep_name(editor, place, &edited.name)?;
+            }
+            edit_light(editor, in_force, place, &self.loaded.lights[origin], edited)?;
+        }
         for (index, (light, origin)) in self.edited.lights.iter().zip(&self.origins).enumerate() {
-            match origin {
-                Some(origin) => {
-                    edit_light(editor, index, &self.loaded.lights[*origin], light)?;
-                }
-                None => insert_light(editor, index, light)?,
+            if origin.is_none() {
+                in_force.settle_light(&light.name, &[]);
+                insert_light(editor, index, light)?;
             }
         }
         Ok(())
     }
 
-    fn materials(&self, editor: &mut Editor) -> Result<(), SaveError> {
+    fn materials(&self, editor: &mut Editor, in_force: &mut InForce) -> Result<(), SaveError> {
         let pairs = self.loaded.albedos.iter().zip(self.edited.albedos);
         let mut seen: Vec<&str> = Vec::new();
         for (name, (old, new)) in self.loaded.material_names.iter().zip(pairs) {
@@ -80,6 +92,7 @@ impl<'a> Changes<'a> {
             if same(&Value::Colour(*old), &albedo) {
                 continue;
             }
+            in_force.settle_entry("material", name, "albedo");
             let list = editor.list("material")?;
             let mut entries = list.entries().iter();
             let known = entries.position(|entry| {
@@ -131,103 +144,72 @@ fn origins(loaded: &[Light], edited: &[Light]) -> Vec<Option<usize>> {
     origins
 }
 
+/// A light whose name was its place among the others keeps it at another place.
+fn keep_name(editor: &mut Editor, place: Place, name: &str) -> Result<(), SaveError> {
+    let entry = editor.entry(place)?;
+    if entry.is_some_and(|entry| entry.key("name").is_none()) {
+        editor.set_first(place, "name", &quoted(name))?;
+    }
+    Ok(())
+}
+
 fn edit_light(
     editor: &mut Editor,
-    index: usize,
+    in_force: &mut InForce,
+    place: Place,
     loaded: &Light,
     edited: &Light,
 ) -> Result<(), SaveError> {
-    let place = Place::Entry("light", index);
-    let entry = editor.entry(place)?;
-    let has = |key: &str| entry.as_ref().is_some_and(|entry| entry.key(key).is_some());
-    if !has("name") && edited.name != default_light_name(index) {
-        editor.set_first(place, "name", &quoted(&edited.name))?;
-    }
     let mut keys = changed(light_keys(&loaded.kind), light_keys(&edited.kind));
     if keys.is_empty() {
         return Ok(());
     }
+    let entry = editor.entry(place)?;
     let kind = entry.as_ref().and_then(|entry| entry.key("kind"));
     let kind = kind.and_then(|key| key.string.as_deref());
     if kind != Some(kind_name(&edited.kind)) {
         // An override made another kind of it, which now becomes the file's.
-        keys = become_kind(editor, place, &edited.kind)?;
+        keys = become_kind(editor, in_force, place, edited)?;
     }
-    if let (LightKind::Spot(loaded), LightKind::Spot(spot)) = (&loaded.kind, &edited.kind) {
-        complete_cone(editor, place, &mut keys, spot)?;
-        if has("target") {
-            aim(editor, place, loaded.position, spot)?;
-            keys.retain(|(key, _)| *key != "direction");
-        }
+    for (key, _) in &keys {
+        in_force.settle_entry("light", &edited.name, key);
     }
-    if has("map") && keys.iter().any(|(key, _)| *key == "radiance") {
+    if let LightKind::Spot(spot) = &edited.kind {
+        let mut written = spots::Written {
+            editor,
+            in_force,
+            place,
+            name: &edited.name,
+            keys: &mut keys,
+        };
+        written.complete_cone(spot)?;
+        written.aim(spot)?;
+    }
+    if keys.iter().any(|(key, _)| *key == "radiance") {
+        in_force.settle_entry("light", &edited.name, "map");
         editor.remove(place, "map")?;
     }
     set_all(editor, place, &keys)
 }
 
-/// Gives an entry a kind, takes out the keys that it does not have, and returns
-/// those that it has.
-fn become_kind(editor: &mut Editor, place: Place, kind: &LightKind) -> Result<Keys, SaveError> {
-    let keys = light_keys(kind);
-    let present = editor.entry(place)?.map_or(Vec::new(), |entry| entry.keys);
-    let foreign = present.iter().map(|key| key.name.as_str()).filter(|name| {
-        !["name", "kind", "target", "map"].contains(name)
-            && !keys.iter().any(|(known, _)| known == name)
-    });
-    for name in foreign {
-        editor.remove(place, name)?;
-    }
-    editor.set(place, "kind", &Written::Plain(quoted(kind_name(kind))))?;
-    Ok(keys)
-}
-
-/// The beam is a share of the cutoff where the file gives none, and at most the
-/// cutoff: an angle that did not change is written too where the file, with the
-/// one that did, would be read as another cone.
-fn complete_cone(
-    editor: &Editor,
-    place: Place,
-    keys: &mut Keys,
-    spot: &Spot,
-) -> Result<(), SaveError> {
-    let changes = |keys: &Keys, name: &str| keys.iter().any(|(key, _)| *key == name);
-    let [cutoff, beam] = [spot.cutoff_deg, spot.beam_deg];
-    if changes(keys, "cutoff") && !changes(keys, "beam") {
-        let in_file = editor.number(place, "beam")?;
-        if in_file.is_none_or(|in_file| in_file > f64::from(cutoff)) {
-            keys.push(("beam", Value::Single(beam)));
-        }
-    }
-    if changes(keys, "beam") && !changes(keys, "cutoff") {
-        let in_file = editor.number(place, "cutoff")?;
-        if in_file.is_some_and(|in_file| in_file < f64::from(beam)) {
-            keys.push(("cutoff", Value::Single(cutoff)));
-        }
-    }
-    Ok(())
-}
-
-/// Moves the `target` of a spot so that the spot, where it is now, looks in its
-/// direction; the target stays about as far away as it was.
-fn aim(
+/// Gives an entry a kind, and returns all its keys. It has no others: the reader
+/// would have refused them under the override that made it that kind.
+fn become_kind(
     editor: &mut Editor,
+    in_force: &mut InForce,
     place: Place,
-    old_position: DVec3,
-    spot: &Spot,
-) -> Result<(), SaveError> {
-    let old_target = editor.numbers(place, "target")?;
-    let distance = match old_target.as_slice() {
-        &[x, y, z] => (DVec3::new(x, y, z) - old_position).length(),
-        _ => 1.0,
-    };
-    match numbers::target(spot.position, spot.direction, distance) {
-        Some(target) => editor.set(place, "target", &target.into()),
-        None => {
-            let direction = numbers::direction(spot.direction).into();
-            editor.rename(place, ["target", "direction"], &direction)
-        }
-    }
+    light: &Light,
+) -> Result<Keys, SaveError> {
+    let has_map = matches!(
+        &light.kind,
+        LightKind::Environment(sky) if matches!(sky.radiance, Radiance::Map(_))
+    );
+    // The name of a map is known to the override alone.
+    let still: &[&str] = if has_map { &["map"] } else { &[] };
+    in_force.settle_light(&light.name, still);
+    let kind = Written::Plain(quoted(kind_name(&light.kind)));
+    editor.set(place, "kind", &kind)?;
+    Ok(light_keys(&light.kind))
 }
 
 fn insert_light(editor: &mut Editor, index: usize, light: &Light) -> Result<(), SaveError> {
@@ -250,6 +232,19 @@ fn insert_light(editor: &mut Editor, index: usize, light: &Light) -> Result<(), 
             .map(|(key, value)| (*key, written(value).text())),
     );
     editor.insert_entry("light", index, &keys)
+}
+
+fn set_section(
+    editor: &mut Editor,
+    in_force: &mut InForce,
+    section: &'static str,
+    [old, new]: [Keys; 2],
+) -> Result<(), SaveError> {
+    let keys = changed(old, new);
+    for (key, _) in &keys {
+        in_force.settle_section(section, key);
+    }
+    set_all(editor, Place::Section(section), &keys)
 }
 
 fn set_all(editor: &mut Editor, place: Place, keys: &Keys) -> Result<(), SaveError> {

@@ -1,5 +1,6 @@
 //! Changes one key of a scene file's text at a time and leaves the rest as it is.
 
+use std::cell::RefCell;
 use std::ops::Range;
 
 use super::SaveError;
@@ -28,12 +29,23 @@ impl<const N: usize> From<[String; N]> for Written {
     }
 }
 
-/// A text under change. It is parsed anew for each change, which costs little
-/// beside a frame and keeps the places of its pieces true.
+/// A text under change. It is parsed anew where a change may have moved what is
+/// asked for: 500 lights are parsed in milliseconds, but not 500 times.
 pub(super) struct Editor {
     text: String,
     /// Line ends, as the first line has them.
     newline: &'static str,
+    parsed: RefCell<Option<Parsed>>,
+    #[cfg(test)]
+    pub(super) parse_count: std::cell::Cell<usize>,
+}
+
+/// A text as it was parsed.
+struct Parsed {
+    layout: Layout,
+    /// Where the first change since then begins: what ends before is as it was.
+    /// `None` without a change.
+    changed_from: Option<usize>,
 }
 
 impl Editor {
@@ -46,6 +58,9 @@ impl Editor {
             } else {
                 "\n"
             },
+            parsed: RefCell::default(),
+            #[cfg(test)]
+            parse_count: std::cell::Cell::default(),
         }
     }
 
@@ -61,12 +76,56 @@ impl Editor {
         self.newline
     }
 
+    /// The table at a place; `None` where the text has none.
     pub(super) fn entry(&self, place: Place) -> Result<Option<Entry>, SaveError> {
-        Ok(Layout::of(&self.text)?.entry(place))
+        // A new last key stands behind the comment of the one before.
+        let is_unmoved = |entry: &Option<Entry>, changed_from: usize| {
+            entry.as_ref().is_some_and(|entry| {
+                entry.end() < changed_from && self.line_end(entry.end()) < changed_from
+            })
+        };
+        self.found(|layout| layout.entry(place).cloned(), is_unmoved)
     }
 
     pub(super) fn list(&self, name: &str) -> Result<List, SaveError> {
-        Ok(Layout::of(&self.text)?.list(name))
+        self.found(|layout| layout.list(name).clone(), |_, _| false)
+    }
+
+    /// Something of the layout: of the one that is known, if that has not changed
+    /// or this is unmoved by what changed.
+    fn found<T>(
+        &self,
+        find: impl Fn(&Layout) -> T,
+        is_unmoved: impl Fn(&T, usize) -> bool,
+    ) -> Result<T, SaveError> {
+        let mut parsed = self.parsed.borrow_mut();
+        if let Some(known) = parsed.as_ref() {
+            let found = find(&known.layout);
+            if known
+                .changed_from
+                .is_none_or(|from| is_unmoved(&found, from))
+            {
+                return Ok(found);
+            }
+        }
+        #[cfg(test)]
+        self.parse_count.set(self.parse_count.get() + 1);
+        let layout = Layout::of(&self.text)?;
+        let found = find(&layout);
+        let changed_from = None;
+        *parsed = Some(Parsed {
+            layout,
+            changed_from,
+        });
+        Ok(found)
+    }
+
+    /// From here on the text is not what was parsed.
+    fn changes_from(&mut self, start: usize) {
+        if let Some(parsed) = self.parsed.get_mut() {
+            let known = parsed.changed_from.unwrap_or(usize::MAX);
+            parsed.changed_from = Some(known.min(start));
+        }
     }
 
     /// The number that a key has in the text.
@@ -89,6 +148,7 @@ impl Editor {
     }
 
     pub(super) fn replace(&mut self, range: Range<usize>, new: &str) {
+        self.changes_from(range.start);
         self.text.replace_range(range, new);
     }
 
@@ -235,6 +295,7 @@ impl Editor {
     }
 
     pub(super) fn replace_at(&mut self, place: usize, new: &str) {
+        self.changes_from(place);
         self.text.insert_str(place, new);
     }
 

@@ -6,6 +6,10 @@ use toml_edit::{Array, Document, InlineTable, Item, Table, Value};
 
 use super::SaveError;
 
+/// Sections and lists that are edited.
+const SECTIONS: [&str; 2] = ["camera", "render"];
+const LISTS: [&str; 2] = ["light", "material"];
+
 /// A table of the file that holds keys.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Place {
@@ -81,9 +85,10 @@ impl Entry {
     }
 }
 
-/// A scene file's text, parsed.
+/// A scene file's text, parsed: what of it can be edited.
 pub(super) struct Layout {
-    document: Document<String>,
+    sections: Vec<(&'static str, Entry)>,
+    lists: Vec<(&'static str, List)>,
 }
 
 impl Layout {
@@ -93,29 +98,45 @@ impl Layout {
             let message = format!("the scene file is no TOML any more ({})", error.message());
             SaveError::NotTheText(message)
         })?;
-        Ok(Self { document })
+        let section = |name| Some((name, entry_of(document.get(name)?)?));
+        Ok(Self {
+            sections: SECTIONS.into_iter().filter_map(section).collect(),
+            lists: LISTS.map(|name| (name, list_of(document.get(name)))).into(),
+        })
     }
 
     /// The table at a place; `None` where the file has none.
-    pub(super) fn entry(&self, place: Place) -> Option<Entry> {
+    pub(super) fn entry(&self, place: Place) -> Option<&Entry> {
         match place {
-            Place::Section(name) => entry_of(self.document.get(name)?),
-            Place::Entry(list, index) => self.list(list).entries().get(index).cloned(),
+            Place::Section(name) => {
+                let mut sections = self.sections.iter();
+                sections
+                    .find(|section| section.0 == name)
+                    .map(|(_, entry)| entry)
+            }
+            Place::Entry(list, index) => self.list(list).entries().get(index),
         }
     }
 
-    pub(super) fn list(&self, name: &str) -> List {
-        match self.document.get(name) {
-            Some(Item::ArrayOfTables(tables)) => {
-                List::Headers(tables.iter().filter_map(header_entry).collect())
-            }
-            Some(Item::Value(Value::Array(array))) => {
-                let tables = array.iter().filter_map(Value::as_inline_table);
-                let span = array.span().unwrap_or_default();
-                List::Inline(tables.filter_map(inline_entry).collect(), span)
-            }
-            _ => List::Absent,
+    pub(super) fn list(&self, name: &str) -> &List {
+        let mut lists = self.lists.iter();
+        lists
+            .find(|list| list.0 == name)
+            .map_or(&List::Absent, |(_, list)| list)
+    }
+}
+
+fn list_of(item: Option<&Item>) -> List {
+    match item {
+        Some(Item::ArrayOfTables(tables)) => {
+            List::Headers(tables.iter().filter_map(header_entry).collect())
         }
+        Some(Item::Value(Value::Array(array))) => {
+            let tables = array.iter().filter_map(Value::as_inline_table);
+            let span = array.span().unwrap_or_default();
+            List::Inline(tables.filter_map(inline_entry).collect(), span)
+        }
+        _ => List::Absent,
     }
 }
 

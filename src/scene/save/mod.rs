@@ -9,9 +9,11 @@
 mod changes;
 mod editor;
 mod file;
+mod in_force;
 mod layout;
 mod lists;
 mod numbers;
+mod spots;
 #[cfg(test)]
 mod tests;
 mod values;
@@ -27,6 +29,7 @@ use super::text::strict_text;
 use super::{Camera, Light, Override, RenderKeys, SceneError};
 use changes::Changes;
 use editor::Editor;
+use values::Value;
 
 pub(crate) use file::{Saved, save_file};
 
@@ -61,73 +64,75 @@ pub(crate) enum SaveError {
     OtherValues(&'static str),
 }
 
-/// The bytes of a scene file with what was edited: what was given by overrides
-/// when it was loaded is not written unless it was edited. `path` is what
-/// errors call it, and where relative paths start.
+/// What a scene file is to hold, and how it is read from then on.
+#[derive(Debug)]
+pub(crate) struct EditedFile {
+    pub(crate) bytes: Vec<u8>,
+    /// Those of the overrides that still hold: none of a key that the bytes give as
+    /// it was edited, and none of a light that is gone.
+    pub(crate) overrides: Vec<Override>,
+}
+
+/// A scene file with what was edited: what was given by overrides when it was
+/// loaded is not written unless it was edited. `path` is what errors call it, and
+/// where relative paths start.
 ///
 /// The new text is read once more before it is given out: reading it with the
-/// same overrides gives exactly the edited values, bit for bit.
+/// overrides that still hold gives exactly the edited values, bit for bit.
 ///
 /// # Errors
 /// If the bytes are no longer those that were loaded, or what would be written
 /// is refused by the reader (a key frame of `[[animate]]` may contradict an
 /// edited value).
-pub(crate) fn edited_bytes(
+pub(crate) fn edited_file(
     bytes: &[u8],
     path: &Path,
     overrides: &[Override],
     loaded: Edited<'_>,
     edited: Edited<'_>,
-) -> Result<Vec<u8>, SaveError> {
-    edited_bytes_with(bytes, path, overrides, loaded, edited, &Disk)
+) -> Result<EditedFile, SaveError> {
+    edited_file_with(bytes, path, overrides, loaded, edited, &Disk)
 }
 
-fn edited_bytes_with(
+fn edited_file_with(
     bytes: &[u8],
     path: &Path,
     overrides: &[Override],
     loaded: Edited<'_>,
     edited: Edited<'_>,
     files: &dyn Files,
-) -> Result<Vec<u8>, SaveError> {
+) -> Result<EditedFile, SaveError> {
     let text = strict_text(bytes, path)?;
-    let new_text = edited_text(text, loaded, edited)?;
+    let mut editor = Editor::new(text);
+    let overrides = Changes::between(loaded, edited).apply(&mut editor, overrides)?;
+    let new_text = editor.into_text();
     if new_text == text {
-        return Ok(bytes.to_vec());
+        let bytes = bytes.to_vec();
+        return Ok(EditedFile { bytes, overrides });
     }
     let finder = Finder::new(files);
     let images = Images::new(&finder);
-    let read = Document::parse(&new_text, path, &still_meant(overrides, edited), &images)?;
-    check(&read, edited, overrides.is_empty())?;
+    let read = Document::parse(&new_text, path, &overrides, &images)?;
+    check(&read, loaded, edited)?;
     let mark = if bytes.starts_with(MARK.as_bytes()) {
         MARK
     } else {
         ""
     };
-    Ok(format!("{mark}{new_text}").into_bytes())
+    let bytes = format!("{mark}{new_text}").into_bytes();
+    Ok(EditedFile { bytes, overrides })
 }
 
-/// Overrides but for those of lights that are gone.
-fn still_meant(overrides: &[Override], edited: Edited<'_>) -> Vec<Override> {
-    let exists = |name: &str| edited.lights.iter().any(|light| light.name == name);
-    let meant = overrides
-        .iter()
-        .filter(|set| set.light_name().is_none_or(exists));
-    meant.cloned().collect()
-}
-
-/// With overrides a value that was both overridden and edited reads as the
-/// override says, so that only without them everything is compared.
-fn check(read: &Document, edited: Edited<'_>, is_whole: bool) -> Result<(), SaveError> {
-    if !is_whole {
-        return Ok(());
-    }
+/// Whatever was edited is read back, and so is all that an override gave and still
+/// gives.
+fn check(read: &Document, loaded: Edited<'_>, edited: Edited<'_>) -> Result<(), SaveError> {
     let lights_differ = read.lights.len() != edited.lights.len()
         || read.lights.iter().zip(edited.lights).any(|(read, edited)| {
             read.name != edited.name || values::differ(&read.kind, &edited.kind)
         });
     for (what, differs) in [
         ("a light", lights_differ),
+        ("an albedo", albedos_differ(read, loaded, edited)),
         (
             "the camera",
             values::cameras_differ(&read.camera, edited.camera),
@@ -141,10 +146,19 @@ fn check(read: &Document, edited: Edited<'_>, is_whole: bool) -> Result<(), Save
     Ok(())
 }
 
-/// The text of a scene file (without a byte order mark) with what was edited.
-fn edited_text(text: &str, loaded: Edited<'_>, edited: Edited<'_>) -> Result<String, SaveError> {
-    let mut editor = Editor::new(text);
-    let changes = Changes::between(loaded, edited);
-    changes.apply(&mut editor)?;
-    Ok(editor.into_text())
+/// An albedo that no `[[material]]` gives is the one of MTL, so it must be as it
+/// was loaded.
+fn albedos_differ(read: &Document, loaded: Edited<'_>, edited: Edited<'_>) -> bool {
+    let names = edited.material_names;
+    let is_first = |index: &usize| !names[..*index].contains(&names[*index]);
+    (0..names.len()).filter(is_first).any(|index| {
+        let mut entries = read.materials.iter();
+        let entry = entries.find(|entry| entry.name == names[index]);
+        let read = entry.and_then(|entry| entry.albedo);
+        let [loaded, edited] = [loaded, edited].map(|it| it.albedos[index]);
+        !values::same(
+            &Value::Colour(read.unwrap_or(loaded)),
+            &Value::Colour(edited),
+        )
+    })
 }
