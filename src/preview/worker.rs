@@ -181,9 +181,7 @@ impl Drawing {
                 Some(Sharpness::Draft(_)) => {
                     let since = self.last_draft.map(|last| last.elapsed());
                     let left = since.and_then(|since| self.pace.checked_sub(since));
-                    let Some(left) = left.filter(|left| !left.is_zero()) else {
-                        return None;
-                    };
+                    let left = left.filter(|left| !left.is_zero())?;
                     let waited = self.shared.wake.wait_timeout(orders, left);
                     orders = waited.unwrap_or_else(PoisonError::into_inner).0;
                 }

@@ -59,7 +59,8 @@ impl Written<'_> {
             Some(key) => key == "target",
             None => has_target,
         };
-        if !self.changes("direction") && !(self.changes("position") && is_by_target) {
+        let is_aimed = self.changes("direction") || (self.changes("position") && is_by_target);
+        if !is_aimed {
             return Ok(());
         }
         self.keys.retain(|(key, _)| *key != "direction");
