@@ -189,6 +189,26 @@ pub(crate) fn set_position(kind: &mut LightKind, position: DVec3) {
     }
 }
 
+/// A light in a few words: kind, place, strength.
+pub(crate) fn summary(kind: &LightKind) -> String {
+    let name = match kind {
+        LightKind::Point(_) => "point",
+        LightKind::Spot(_) => "spot",
+        LightKind::Directional(_) => "sun",
+        LightKind::Area(_) => "rectangle",
+        LightKind::Environment(_) => "sky",
+    };
+    let place = position(kind).map_or(String::new(), |at| format!(" at {}", triple(at.as_vec3())));
+    let strength = colour(kind).map_or(String::new(), |colour| format!(", {}", triple(colour)));
+    format!("{name}{place}{strength}")
+}
+
+/// Three numbers to two places.
+pub(crate) fn triple(values: Vec3) -> String {
+    let [x, y, z] = values.to_array();
+    format!("{x:.2} {y:.2} {z:.2}")
+}
+
 /// Equal maps are one map here: comparing their pixels would take longer than a
 /// frame.
 fn lights_differ(old: &[Light], new: &[Light]) -> bool {

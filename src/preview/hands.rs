@@ -8,10 +8,10 @@ mod tests;
 
 use std::time::Duration;
 
-use glam::{DVec2, DVec3};
+use glam::{DVec2, DVec3, Vec3};
 
 use super::command::{Command, Request};
-use super::document::{Changed, Document};
+use super::document::{Changed, Document, summary, triple};
 use super::drag::Drag;
 use super::edits::{self, Context};
 use super::history::History;
@@ -84,6 +84,8 @@ pub(crate) struct Hands {
     saved: Document,
     home: Camera,
     material_names: Vec<String>,
+    /// Which of the materials emit.
+    emits: Vec<bool>,
     pinned: Vec<String>,
 }
 
@@ -103,6 +105,7 @@ impl Hands {
             hides_marks: false,
             home: scene.camera,
             material_names: scene.materials.iter().map(|m| m.name.clone()).collect(),
+            emits: emits(scene),
             pinned: pinned(scene),
         }
     }
@@ -288,14 +291,30 @@ impl Hands {
         let is_other = selection != self.selection;
         self.selection = selection;
         self.history.end_gesture();
-        let name = self.selected_name().unwrap_or(nothing).to_owned();
+        let message = self
+            .selected_summary()
+            .unwrap_or_else(|| nothing.to_owned());
         Outcome {
             changed: Changed {
                 marks: is_other,
                 ..Changed::default()
             },
-            message: Some(name),
+            message: Some(message),
             request: None,
+        }
+    }
+
+    /// What is selected in figures.
+    fn selected_summary(&self) -> Option<String> {
+        match self.selection {
+            Selection::Nothing => None,
+            Selection::Light(index) => Some(summary(&self.document.lights.get(index)?.light.kind)),
+            Selection::Surface(index) => {
+                let albedo = self.document.albedos.get(index)?;
+                let emits = self.emits.get(index).copied().unwrap_or(false);
+                let emission = if emits { "; it emits, by its MTL" } else { "" };
+                Some(format!("albedo {}{emission}", triple(*albedo)))
+            }
         }
     }
 
@@ -320,6 +339,12 @@ impl Hands {
             self.selection = Selection::Nothing;
         }
     }
+}
+
+/// Which of a scene's materials emit.
+fn emits(scene: &Scene) -> Vec<bool> {
+    let materials = scene.materials.iter();
+    materials.map(|it| it.emission != Vec3::ZERO).collect()
 }
 
 /// The number after or before one in a ring; the first or last where there is none.

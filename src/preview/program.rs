@@ -87,6 +87,7 @@ pub(crate) struct Program {
     bake: BakeState,
     /// Number of the last time the files were read.
     loads: u64,
+    is_loading: bool,
     /// Whether that may cost edits.
     load_is_answered: bool,
     /// Whether files have changed while a question was open.
@@ -145,6 +146,7 @@ impl Program {
             preparations: 0,
             bake: BakeState::Settled,
             loads: 0,
+            is_loading: false,
             load_is_answered: false,
             files_wait: false,
             writing: Vec::new(),

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use glam::Vec3;
 
-use super::{Gesture, Hands, Selection};
+use super::{Gesture, Hands, Selection, emits};
 use crate::preview::document::Document;
 use crate::scene::{Edited, EditedFile, Light, Override, SaveError, Scene, edited_file};
 
@@ -67,8 +67,38 @@ impl Hands {
         self.document = document;
         self.home = scene.camera;
         self.pinned = pinned(scene);
+        self.emits = emits(scene);
         self.drag = None;
         self.clamp_selection();
+    }
+
+    /// Takes over a scene of which other files than the scene file were changed: a
+    /// mesh or its materials. What was edited stays, and what can be undone.
+    pub(crate) fn refresh(&mut self, scene: &Scene) {
+        let names: Vec<String> = scene.materials.iter().map(|m| m.name.clone()).collect();
+        let origins = origins(&self.material_names, &names);
+        let saved = std::mem::take(&mut self.saved.albedos);
+        let fresh: Vec<Vec3> = scene.materials.iter().map(|m| m.albedo).collect();
+        let albedos_of = |document: &Document| -> Vec<Vec3> {
+            let pairs = origins.iter().zip(&fresh);
+            let edited = |origin: usize| {
+                let albedo = document.albedos.get(origin).copied();
+                albedo.filter(|albedo| saved.get(origin) != Some(albedo))
+            };
+            pairs
+                .map(|(origin, fresh)| origin.and_then(edited).unwrap_or(*fresh))
+                .collect()
+        };
+        self.history.for_each(|(document, selection)| {
+            document.albedos = albedos_of(document);
+            *selection = carried(*selection, &origins);
+        });
+        self.document.albedos = albedos_of(&self.document);
+        self.selection = carried(self.selection, &origins);
+        self.saved.albedos = fresh;
+        self.material_names = names;
+        self.emits = emits(scene);
+        self.drag = None;
     }
 
     /// Materials of other names, or in another order, with their albedos: all that
@@ -76,23 +106,25 @@ impl Hands {
     fn rename_materials(&mut self, names: Vec<String>, albedos: &[Vec3]) {
         let old = std::mem::replace(&mut self.material_names, names);
         let origins = origins(&old, &self.material_names);
-        let moved = |selection: &mut Selection| {
-            if let Selection::Surface(index) = *selection {
-                let mut new = origins.iter();
-                let new = new.position(|origin| *origin == Some(index));
-                *selection = new.map_or(Selection::Nothing, Selection::Surface);
-            }
-        };
         self.history.for_each(|(document, selection)| {
             let known = |origin: &Option<usize>| document.albedos.get((*origin)?).copied();
             let pairs = origins.iter().zip(albedos);
             document.albedos = pairs
                 .map(|(origin, new)| known(origin).unwrap_or(*new))
                 .collect();
-            moved(selection);
+            *selection = carried(*selection, &origins);
         });
-        moved(&mut self.selection);
+        self.selection = carried(self.selection, &origins);
     }
+}
+
+/// What is selected, once materials have come from others.
+fn carried(selection: Selection, origins: &[Option<usize>]) -> Selection {
+    let Selection::Surface(index) = selection else {
+        return selection;
+    };
+    let new = origins.iter().position(|origin| *origin == Some(index));
+    new.map_or(Selection::Nothing, Selection::Surface)
 }
 
 /// Of each material the old one of its name. A second one of a name has the albedo

@@ -151,7 +151,10 @@ impl Room {
 #[test]
 fn arrows_move_the_selected_light_in_steps_of_the_scene() {
     let mut room = Room::new();
-    assert_eq!(room.keys("Tab").message.as_deref(), Some("lamp"));
+    assert_eq!(
+        room.keys("Tab").message.as_deref(),
+        Some("point at 0.00 1.50 0.30, 3.30 2.90 2.30")
+    );
     let outcome = room.keys("Right");
     assert!(
         outcome.changed.lights && !outcome.changed.camera,

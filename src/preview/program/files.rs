@@ -33,6 +33,7 @@ impl Program {
     /// The files read again; `is_answered`: also if that costs edits.
     pub(super) fn load(&mut self, is_answered: bool) -> Effect {
         self.loads += 1;
+        self.is_loading = true;
         self.load_is_answered = is_answered;
         Effect::Load(self.loads)
     }
@@ -69,6 +70,10 @@ impl Program {
                 self.status
                     .say(format!("saved {}", self.file.path.display()));
                 let mut effects = vec![Effect::Watch(self.watched(SystemTime::now()))];
+                if self.is_loading {
+                    // What is being read is what the file held before.
+                    effects.push(self.load(false));
+                }
                 if self.quits_after.take().is_some() {
                     effects.extend(self.quit());
                 }
@@ -111,15 +116,11 @@ impl Program {
         self.scene.render = document.render.clone();
     }
 
-    /// Files have changed: they are read again, unless that would cost edits.
+    /// Files have changed: they are read again.
     pub(super) fn files_changed(&mut self) -> Vec<Effect> {
         if self.prompt.is_some() {
             // One question at a time.
             self.files_wait = true;
-            return Vec::new();
-        }
-        if self.hands.is_unsaved() {
-            self.prompt = Some(Prompt::Reload);
             return Vec::new();
         }
         vec![self.load(false)]
@@ -127,10 +128,14 @@ impl Program {
 
     /// The files were read again: the new scene is shown, or what is wrong with it.
     pub(super) fn loaded(&mut self, loaded: Loaded) -> Vec<Effect> {
+        self.is_loading = false;
         let watched = Effect::Watch(self.watched_with(&loaded.files, loaded.at));
+        // A mesh and its materials lie under what was edited; only the scene file
+        // says of the same things something else.
+        let is_same_file = loaded.bytes == self.file.bytes;
+        let costs_edits = self.hands.is_unsaved() && !is_same_file;
         let scene = match loaded.scene {
-            // Something was edited while the files were read.
-            Ok(_) if self.hands.is_unsaved() && !self.load_is_answered => {
+            Ok(_) if costs_edits && !self.load_is_answered => {
                 self.prompt = Some(Prompt::Reload);
                 return vec![watched];
             }
@@ -143,7 +148,10 @@ impl Program {
         let is_same_mesh = is_same_mesh(&scene, &self.scene);
         self.status.file_error = None;
         self.status.say(reloaded(&scene));
-        self.hands.reload(&scene);
+        match is_same_file {
+            true => self.hands.refresh(&scene),
+            false => self.hands.reload(&scene),
+        }
         self.file.bytes = loaded.bytes;
         self.extent = scene.placement().extent;
         self.scene = scene;

@@ -1,5 +1,6 @@
 //! What the program asks for, message by message, without a terminal.
 
+mod files;
 mod overrides;
 
 use std::fs;
@@ -183,75 +184,6 @@ fn quitting_asks_where_something_is_unsaved() {
 }
 
 #[test]
-fn a_file_that_changed_meanwhile_is_not_written_over_unasked() {
-    let mut table = Table::new((120, 24));
-    table.key("Tab");
-    table.key("i");
-    let other = SCENE.replace("vfov = 40.0", "vfov = 50.0");
-    fs::write(table.path(), &other).unwrap();
-    table.key("ctrl+s");
-    assert!(table.bottom().contains("changed meanwhile"));
-    assert_eq!(fs::read_to_string(table.path()).unwrap(), other);
-    table.key("Esc");
-    table.key("ctrl+s");
-    table.key("o");
-    let saved = fs::read_to_string(table.path()).unwrap();
-    assert!(saved.contains("vfov = 40.0") && saved != SCENE);
-    assert!(!table.program.is_unsaved());
-}
-
-#[test]
-fn a_file_that_changes_is_shown_and_one_that_is_wrong_leaves_the_last() {
-    let mut table = Table::new((160, 24));
-    fs::write(table.path(), SCENE.replace("0.3, 0.8", "0.4, 0.9")).unwrap();
-    table.reload();
-    assert!(table.asks(|it| matches!(it, Effect::Show(..))));
-    assert_eq!(table.prepare_asked(), None, "a light needs no bake");
-    assert_eq!(table.program.wish().lights, table.program.scene.lights);
-    let good = table.program.wish();
-
-    fs::write(
-        table.path(),
-        SCENE.replace("vfov = 40.0", "vfov = \"wide\""),
-    )
-    .unwrap();
-    table.reload();
-    assert!(table.above().contains("scene.toml:5"), "{}", table.above());
-    assert_eq!(table.program.wish(), good);
-
-    fs::write(table.path(), SCENE).unwrap();
-    fs::remove_file(table.folder.path().join("floor.obj")).unwrap();
-    table.reload();
-    assert!(table.above().contains("floor.obj"), "{}", table.above());
-    assert_eq!(table.program.wish(), good);
-
-    fs::write(
-        table.folder.path().join("floor.obj"),
-        MESH.replace("-1 0 1", "-1 0 2"),
-    )
-    .unwrap();
-    table.reload();
-    assert_eq!(table.prepare_asked(), Some((2, false)), "another mesh");
-    assert!(table.bottom().contains("read again"));
-}
-
-#[test]
-fn reading_again_asks_where_it_would_cost_edits_and_can_be_undone() {
-    let mut table = Table::new((120, 24));
-    table.key("Tab");
-    table.key("i");
-    let edited = table.program.wish();
-    fs::write(table.path(), SCENE.replace("0.3, 0.8", "0.4, 0.9")).unwrap();
-    table.take(Message::FilesChanged);
-    assert!(table.bottom().contains("the scene file was changed"));
-    table.key("r");
-    table.read();
-    assert!(table.program.wish() != edited);
-    table.key("u");
-    assert_eq!(table.program.wish().lights, edited.lights);
-}
-
-#[test]
 fn any_size_of_screen_shows_something() {
     for size in [(1, 1), (1, 2), (10, 5), (3, 1), (500, 2)] {
         let mut table = Table::new(size);
@@ -400,72 +332,6 @@ fn the_fine_picture_stays_where_nothing_changes() {
 }
 
 #[test]
-fn two_pictures_are_two_files_and_quitting_waits_for_them() {
-    let mut table = Table::new((120, 12));
-    table.prepared(1);
-    let mut paths = Vec::new();
-    for _ in 0..2 {
-        table.key("P");
-        let written = table.effects.iter().find_map(|effect| match effect {
-            Effect::Send(Errand::Write { path, .. }) => Some(path.clone()),
-            _ => None,
-        });
-        paths.push(written.expect("a picture is to be written"));
-    }
-    assert_ne!(paths[0], paths[1]);
-    table.key("q");
-    assert_eq!(table.quits(), None, "{}", table.bottom());
-    for (path, quits) in paths.into_iter().zip([None, Some(0)]) {
-        table.take(Message::Wrote {
-            path,
-            written: Ok("digest".to_owned()),
-        });
-        assert_eq!(table.quits().or(quits), quits);
-    }
-}
-
-#[test]
-fn a_late_bake_and_a_late_reading_say_nothing() {
-    let mut table = Table::new((120, 12));
-    table.prepared(1);
-    table.take(Message::Baking {
-        number: 0,
-        stage: "transfer",
-        share: 0.5,
-    });
-    assert!(table.program.status.baking.is_none());
-    table.take(Message::FilesChanged);
-    let first = table.load_asked().unwrap();
-    table.take(Message::FilesChanged);
-    assert!(table.load_asked().unwrap() > first);
-    let loaded = load(&table.path(), &[]);
-    table.take(Message::Loaded {
-        number: first,
-        loaded,
-    });
-    assert!(table.effects.is_empty());
-    // What was edited while the files were read is not lost unasked.
-    table.take(Message::FilesChanged);
-    let number = table.load_asked().unwrap();
-    table.key("Tab");
-    table.key("i");
-    let edited = table.program.wish();
-    let loaded = load(&table.path(), &[]);
-    table.take(Message::Loaded { number, loaded });
-    assert!(table.bottom().contains("the scene file was changed"));
-    assert_eq!(table.program.wish(), edited);
-}
-
-#[test]
-fn a_file_that_a_broken_scene_names_is_watched() {
-    let mut table = Table::new((120, 12));
-    fs::write(table.path(), SCENE.replace("floor.obj", "new.obj")).unwrap();
-    table.reload();
-    let names_new = |it: &Watched| it.files.iter().any(|file| file.ends_with("new.obj"));
-    assert!(table.asks(|it| matches!(it, Effect::Watch(watched) if names_new(watched))));
-}
-
-#[test]
 fn one_question_stands_at_a_time_and_saving_ends_in_the_end() {
     let mut table = Table::new((160, 12));
     table.key("Tab");
@@ -493,22 +359,7 @@ fn one_question_stands_at_a_time_and_saving_ends_in_the_end() {
     table.key("i");
     table.key("q");
     table.take(Message::FilesChanged);
+    assert_eq!(table.load_asked(), None);
     table.key("Esc");
-    assert!(
-        table.bottom().contains("the scene file was changed"),
-        "it has waited"
-    );
-}
-
-#[test]
-fn what_was_not_saved_is_beside_the_scene() {
-    let mut table = Table::new((80, 12));
-    assert_eq!(table.program.rescue(), None, "nothing has changed");
-    table.key("Tab");
-    table.key("i");
-    let path = table.program.rescue().expect("there is something");
-    assert_eq!(path, table.folder.path().join("scene.toml.unsaved"));
-    let rescued = fs::read_to_string(path).unwrap();
-    assert!(rescued != SCENE && rescued.contains("# the only one"));
-    assert_eq!(fs::read_to_string(table.path()).unwrap(), SCENE);
+    assert!(table.load_asked().is_some(), "it has waited");
 }
