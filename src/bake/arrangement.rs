@@ -41,7 +41,9 @@ pub(super) fn arranged(
             let light = light(places, kind, [seed, number])?;
             Some((probes.footprint(&light), light))
         })
-        .filter(|(footprint, _)| footprint.indirect_share >= LEAST_INDIRECT)
+        // What no probe sees may be a small patch of light, the hardest case: its
+        // share is asked for at all vertices later.
+        .filter(|(it, _)| it.is_unseen() || it.indirect_share >= LEAST_INDIRECT)
         .collect();
     found.sort_by(|a, b| a.0.evenness.total_cmp(&b.0.evenness));
     let count = numbers.len().min(found.len());

@@ -3,6 +3,7 @@
 
 use super::places::Places;
 use crate::maths::hash::uniform;
+use crate::maths::order::Order;
 use crate::scene::PlacedLight;
 use crate::surface::SurfacePoint;
 use crate::surface::direct::{LightPoints, Shadows};
@@ -29,6 +30,13 @@ struct Probe {
     arrived: f64,
 }
 
+impl Footprint {
+    /// Whether no probe is lit; a small patch may be.
+    pub(super) fn is_unseen(&self) -> bool {
+        self.evenness == 0.0
+    }
+}
+
 /// Points that lights are looked at by.
 pub(super) struct Probes<'a> {
     shadows: Shadows<'a>,
@@ -40,7 +48,8 @@ impl<'a> Probes<'a> {
     pub(super) fn of(places: &Places<'a>, seed: u32) -> Self {
         let probe = |index: u32| {
             let u = |dimension| uniform(seed ^ SEED, index, dimension);
-            let place = (index as f32 + u(0)) / PROBES as f32;
+            // Rounding reaches 1, where there is no vertex.
+            let place = ((index as f32 + u(0)) / PROBES as f32).at_most(1.0 - f32::EPSILON);
             let (vertex, arrived) = places.hands_on(place);
             Probe {
                 point: places.surface().sample_point(vertex, [u(1), u(2)]),

@@ -4,7 +4,7 @@ use super::{BakeSettings, Scheme};
 use crate::surface::Surface;
 
 /// Changes whenever the same input gives another bake or the file another form.
-pub(super) const ALGORITHM_VERSION: u32 = 12;
+pub(super) const ALGORITHM_VERSION: u32 = 13;
 
 /// Content key of a bake.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

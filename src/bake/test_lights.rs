@@ -194,6 +194,9 @@ fn lights(places: &Places, seed: u32) -> Vec<(TestKind, Option<PlacedLight>)> {
 /// Skies that are 1 in every direction and brighter about a random one, by the
 /// same rays.
 fn skies_of(surface: &Surface, level: Level, seed: u32, numbers: &[usize]) -> Vec<Vec<f32>> {
+    if numbers.is_empty() {
+        return Vec::new();
+    }
     let lobes: Vec<(Vec3, f32)> = numbers
         .iter()
         .map(|&number| {

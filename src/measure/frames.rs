@@ -357,7 +357,14 @@ mod tests {
         assert_eq!(renderer.scene().lights, scene.lights, "put back");
         assert_eq!((times.frames, times.light.as_str()), (5, "lamp"));
         let names: Vec<&str> = times.stages.iter().map(|s| s.stage).collect();
-        for stage in ["direct at vertices", "bounces", "raster", "shade", OTHER] {
+        // What the camera sees is kept: it stands still.
+        for stage in [
+            "direct at vertices",
+            "bounces",
+            "light at pixels",
+            "shade",
+            OTHER,
+        ] {
             assert!(names.contains(&stage), "no {stage:?} in {names:?}");
         }
         for spread in times

@@ -102,8 +102,8 @@ pub(super) fn section() -> Section {
     let knobs = knobs();
     let mut paragraphs = vec![format!(
         "{} variants were tried, the method itself included. These figures are recorded: they were \
-         not measured in this run, nor on this scene alone. Choosing has seen none of the lights \
-         of this report and none of those that a bake states its error for.",
+         not measured in this run, nor on this scene alone. What this table decided was \
+         decided under lights that neither this report nor a bake states an error for.",
         tried(&knobs)
     )];
     paragraphs.extend(remarks());

@@ -6,6 +6,11 @@
 //! asked for at the middle of each piece, with a shadow ray. Quartering goes deep
 //! only under the light, so a light at a hundredth of an edge length takes some
 //! hundred pieces a triangle.
+//!
+//! Vertices that are partly inside a body keep their points. A spot's cone is not
+//! looked for: one narrower than a piece (10 degrees of half angle and less) is
+//! sampled as badly as by points. A light nearer than the smallest piece is wide may
+//! do too much or too little there.
 
 use glam::{DVec3, Vec3};
 
@@ -14,7 +19,7 @@ use crate::maths::order::Order;
 use crate::scene::PlacedLight;
 
 /// Longest edge of a piece over its distance to the light, at most. With a half,
-/// the flux on a plane under a light 0.01 to 0.1 edges high is within 2 %.
+/// the flux on a plane under a lamp 0.01 to 0.1 edges high is within 2 %.
 const SMALL: f32 = 0.5;
 /// Longest edge of a triangle over its distance to the light, from which on its
 /// vertices are integrated: eight points have a mean error of 1 % at two edges.

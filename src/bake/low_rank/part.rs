@@ -25,8 +25,9 @@ const MORE_RANK: usize = 8;
 /// once.
 const FORGOTTEN: f64 = 1e-7;
 /// Energy of entries of V over that of the sample of their noise, at least. Bytes a
-/// vertex and error of one bounce in per cent without this and with it: cornell 130
-/// and 86, 1.31 and 1.37; window 211 and 101, 2.42 and 2.75.
+/// vertex and error of one bounce in per cent without this and with it, under lights
+/// that bakes stated their error by at the time: cornell 130 and 86, 1.31 and 1.37;
+/// window 211 and 101, 2.42 and 2.75.
 const ENTRY_OVER_NOISE: f64 = 2.0;
 /// What the sample of noise counts, as an amplitude: at the default of 3,072 rays it
 /// has some four times the energy of the noise (`smooth`). Error of one bounce in per

@@ -1,5 +1,7 @@
 //! Half of a small light's flux falls on a wide plane, however near the light
-//! is. The plane's vertices, eight points each, only sample that.
+//! is. The plane's vertices sample that, by eight points each or, close to the light,
+//! by pieces of their triangles. (A spot narrower than the points are apart is still
+//! only sampled.)
 
 use std::f64::consts::PI;
 
@@ -15,8 +17,7 @@ use crate::surface::{Detail, Surface};
 
 const HALF: f64 = 2.0;
 const EDGE: f64 = 0.125;
-/// Height of the light in edges, and what the mean error of eight points a
-/// vertex may be.
+/// Height of the light in edges, and what the mean error may be.
 const HEIGHTS: [(f64, f64); 8] = [
     (8.0, 0.01),
     (2.0, 0.01),

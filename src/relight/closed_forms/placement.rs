@@ -10,7 +10,8 @@ use crate::scene::sample_scenes::{point_light, room_with_blocks};
 use crate::scene::{LightKind, Scene};
 
 /// Means of 8 x 8 pixels: another placed size has other rounding, other rays
-/// and other partitions, which leaves noise, not bias.
+/// and other partitions, which leaves noise, not bias: at 1,024 rays the worst block
+/// is 1.1 % off.
 const SAME_PICTURE: f64 = 0.01;
 
 /// The scene scaled about the origin, then moved; lights keep the picture's
@@ -54,7 +55,7 @@ fn block_means(image: &Image) -> Vec<Vec3> {
 
 #[test]
 fn a_room_looks_the_same_anywhere_and_at_any_size() {
-    let mut scene = room_with_blocks(true, 0.15, 1024);
+    let mut scene = room_with_blocks(true, 0.15, 2048);
     scene.lights = vec![point_light(DVec3::new(0.2, 0.7, 0.5), 2.0)];
     let home = block_means(&picture(scene.clone()));
     let mean = home.iter().map(|p| p.x).sum::<f32>() / home.len() as f32;
