@@ -80,7 +80,7 @@ fn events_of(text: &str) -> Result<Vec<ScriptEvent>, String> {
     }
     // A number sign may be the key, or stand in a path without space before it.
     let rest = match rest.find(" #") {
-        Some(comment) if !rest[..comment].trim().is_empty() => &rest[..comment],
+        Some(comment) if verb != "key" || !rest[..comment].trim().is_empty() => &rest[..comment],
         _ => rest,
     };
     let words: Vec<&str> = rest.split_whitespace().collect();
@@ -193,7 +193,7 @@ mod tests {
     fn every_event_is_read() {
         let text = "# a comment\n\n0 key Tab # select\n0 key shift+Up\n1 key #\n2 type q#\n\
                     3 mouse press left 10 5 shift alt\n3 mouse move right 1 2\n\
-                    4 scroll down 3 4\n5 resize 80 24\n6 rest\n6 shot out/a b.png\r\n";
+                    4 scroll down 3 4\n5 resize 80 24\n6 rest # until it is sharp\n6 shot out/a b.png\r\n";
         let events = parse(text, "s.txt").unwrap();
         assert_eq!(events.len(), 11);
         let key = |name| ScriptEvent::Input(Input::Key(Key::parse(name).unwrap()));

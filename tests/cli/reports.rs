@@ -122,7 +122,13 @@ fn measured_frames_have_medians_by_stage() {
     assert_eq!(object["simd"], "scalar", "{object}");
     assert_eq!(object["light"], "lamp", "{object}");
     assert!(object["vertices"].as_u64() > Some(500), "{object}");
-    let stages = ["direct_at_vertices", "bounces", "raster", "shade", "total"];
+    let stages = [
+        "direct_at_vertices",
+        "bounces",
+        "light_at_pixels",
+        "shade",
+        "total",
+    ];
     for figures in ["ms", "ms_5th_percentile", "ms_95th_percentile"] {
         assert_keys(&object[figures], &stages);
     }
