@@ -79,10 +79,13 @@ fn events_of(text: &str) -> Result<Vec<ScriptEvent>, String> {
         return typed(rest);
     }
     // A number sign may be the key, or stand in a path without space before it.
-    let rest = match rest.find(" #") {
-        Some(comment) if verb != "key" || !rest[..comment].trim().is_empty() => &rest[..comment],
-        _ => rest,
+    let is_comment = |place: &usize| {
+        let before = &rest[..*place];
+        let begins = before.is_empty() || before.ends_with(char::is_whitespace);
+        begins && (verb != "key" || !before.trim().is_empty())
     };
+    let mut signs = rest.match_indices('#').map(|(place, _)| place);
+    let rest = signs.find(is_comment).map_or(rest, |place| &rest[..place]);
     let words: Vec<&str> = rest.split_whitespace().collect();
     let event = match (verb, words.as_slice()) {
         ("key", [name]) => ScriptEvent::Input(Input::Key(Key::parse(name)?)),

@@ -10,6 +10,15 @@ use super::message::Message;
 /// it takes microseconds.
 const LOOK_EVERY: Duration = Duration::from_millis(400);
 
+/// How much older a file's date may be than the moment of writing: systems take it
+/// from a clock that ticks a hundred times a second.
+const GRAIN: Duration = Duration::from_millis(20);
+
+/// When files are known that were written by the program a moment ago.
+pub(crate) fn just_written() -> SystemTime {
+    SystemTime::now() + GRAIN
+}
+
 /// What tells one state of a file from another; `None`: it is not there.
 type State = Option<(SystemTime, u64)>;
 
@@ -32,7 +41,7 @@ impl Watched {
     fn states(&self) -> (Vec<State>, bool) {
         let (states, now) = (states(&self.files), SystemTime::now());
         let is_later =
-            |(written, _): &(SystemTime, u64)| *written > self.known_at && *written <= now;
+            |(written, _): &(SystemTime, u64)| *written + GRAIN > self.known_at && *written <= now;
         let is_changed = states.iter().flatten().any(is_later);
         (states, is_changed)
     }
@@ -102,6 +111,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("scene.toml");
         std::fs::write(&path, "a").unwrap();
+        std::thread::sleep(2 * GRAIN);
         let (sender, receiver) = channel();
         let now = || Watched {
             files: vec![path.clone()],

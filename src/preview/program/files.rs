@@ -6,7 +6,7 @@ use std::time::SystemTime;
 use super::prompt::Prompt;
 use super::{BakeState, Effect, Program, QuitsAfter};
 use crate::preview::message::Loaded;
-use crate::preview::watch::Watched;
+use crate::preview::watch::{Watched, just_written};
 use crate::preview::worker::Errand;
 use crate::scene::{EditedFile, Override, Saved, Scene, save_file};
 
@@ -69,7 +69,7 @@ impl Program {
                 self.status.file_error = None;
                 self.status
                     .say(format!("saved {}", self.file.path.display()));
-                let mut effects = vec![Effect::Watch(self.watched(SystemTime::now()))];
+                let mut effects = vec![Effect::Watch(self.watched(just_written()))];
                 if self.is_loading {
                     // What is being read is what the file held before.
                     effects.push(self.load(false));
