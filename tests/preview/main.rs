@@ -4,7 +4,10 @@
 
 mod terminal;
 
+use std::fs;
+use std::path::Path;
 use std::process::Command;
+use std::sync::LazyLock;
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -12,8 +15,6 @@ use rustix::process::Signal;
 use terminal::{Terminal, changed_modes, launch as become_program};
 
 const RELUME: &str = env!("CARGO_BIN_EXE_relume");
-/// A scene that is baked in a moment.
-const SCENE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/plank/plank.toml");
 /// Longest that leaving may take where nobody reads.
 const LONGEST_LEAVING: Duration = Duration::from_secs(3);
 
@@ -23,9 +24,28 @@ fn launch() {
     become_program();
 }
 
+/// A copy of a scene that is baked in a moment: what is not saved is put beside it.
+fn scene() -> &'static str {
+    static SCENE: LazyLock<String> = LazyLock::new(|| {
+        let from = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/plank");
+        let to = Path::new(env!("CARGO_TARGET_TMPDIR")).join("preview");
+        fs::create_dir_all(&to).expect("the folder can be made");
+        for name in ["plank.toml", "plank.obj", "plank.mtl"] {
+            let bytes = fs::read(from.join(name)).expect("the scene is there");
+            fs::write(to.join(name), bytes).expect("the scene is copied");
+        }
+        let scene = to.join("plank.toml");
+        scene
+            .to_str()
+            .expect("the folder has a plain name")
+            .to_owned()
+    });
+    &SCENE
+}
+
 /// The command in a terminal, once it has taken it.
 fn start(size: (u16, u16)) -> Terminal {
-    let terminal = Terminal::start("launch", &[RELUME, "preview", SCENE], &[], size);
+    let terminal = Terminal::start("launch", &[RELUME, "preview", scene()], &[], size);
     terminal.wait_until("the first frame", |it| {
         it.is_raw() && it.bytes().ends_with(b"\x1b[?2026l")
     });
@@ -50,8 +70,9 @@ fn keys_and_signals_end_it() {
 
 #[test]
 fn a_stop_gives_the_terminal_to_the_shell_and_takes_it_again() {
+    let scene = scene();
     let script =
-        format!("{RELUME} preview {SCENE}; echo stopped; read line; fg; echo code $?; read line");
+        format!("{RELUME} preview {scene}; echo stopped; read line; fg; echo code $?; read line");
     for key in [true, false] {
         let terminal = Terminal::start("launch", &["sh", "-m", "-c", &script], &[], (70, 20));
         let is_shown = |it: &Terminal| it.bytes().ends_with(b"\x1b[?2026l");
@@ -108,7 +129,7 @@ fn every_size_is_drawn() {
 
 #[test]
 fn without_a_terminal_it_says_what_to_do() {
-    let output = Command::new(RELUME).args(["preview", SCENE]).output();
+    let output = Command::new(RELUME).args(["preview", scene()]).output();
     let output = output.expect("the program can be started");
     assert_eq!(output.status.code(), Some(2));
     let words = String::from_utf8_lossy(&output.stderr);
