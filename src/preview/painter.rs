@@ -222,7 +222,7 @@ fn of_size(mut frame: FrameSettings, size: [u32; 2]) -> FrameSettings {
 
 /// A picture with every pixel repeated to fill a size, which may be up to a pixel
 /// less than a multiple of its own.
-fn enlarged(levels: &EncodedImage, [width, height]: [u32; 2]) -> EncodedImage {
+pub(super) fn enlarged(levels: &EncodedImage, [width, height]: [u32; 2]) -> EncodedImage {
     if [levels.width(), levels.height()] == [width, height] {
         return levels.clone();
     }

@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use super::PreviewError;
+use super::painter::enlarged;
 use super::program::Program;
-use crate::frame::EncodedImage;
 use crate::output::{encode_png, write_file};
 
 /// Least width of a picture's file, pixels: pixels of the screen are large, and
@@ -19,21 +19,9 @@ pub(super) fn write_shot(path: &Path, program: &Program) -> Result<(), PreviewEr
         program.cells().lines().join("\n").into_bytes()
     } else {
         let picture = program.marked().ok_or(PreviewError::NoPicture)?;
-        encode_png(&repeated(&picture))?
+        let side = LEAST_WIDTH.div_ceil(picture.width());
+        let size = [picture.width(), picture.height()].map(|pixels| pixels * side);
+        encode_png(&enlarged(&picture, size))?
     };
     Ok(write_file(path, &bytes)?)
-}
-
-/// Every pixel as a square of so many that the picture has the least width.
-fn repeated(picture: &EncodedImage) -> EncodedImage {
-    let (width, height) = (picture.width(), picture.height());
-    let side = LEAST_WIDTH.div_ceil(width);
-    let (pixels, _) = picture.bytes().as_chunks::<3>();
-    let mut bytes = Vec::with_capacity(pixels.len() * 3 * (side * side) as usize);
-    for line in pixels.chunks_exact(width as usize) {
-        let wide: Vec<u8> = line.iter().flat_map(|p| p.repeat(side as usize)).collect();
-        bytes.extend(wide.repeat(side as usize));
-    }
-    EncodedImage::of_bytes(width * side, height * side, bytes)
-        .expect("three bytes a pixel were written")
 }
