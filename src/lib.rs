@@ -9,6 +9,7 @@
 //! |---|---|
 //! | `simd` | kernels with a scalar definition each; the only `unsafe` |
 //! | `maths` | elementary functions and sampling points, the same bits everywhere |
+//! | `brdf` | how surfaces reflect: the glossy lobe and its tables |
 //! | `texture` | image maps: decoded once, filtered, looked up |
 //! | `scene` | what the user wrote: OBJ/MTL, TOML, lights, materials, camera |
 //! | `frame` | linear images, tone curves, FLIP and other measures of difference |
@@ -35,6 +36,7 @@
 //! ```
 
 mod bake;
+mod brdf;
 mod compare;
 mod frame;
 pub mod golden;
@@ -54,6 +56,7 @@ pub use bake::{
     BakeError, BakeForecast, BakeSettings, BakeStats, ErrorParts, FreeKeys, LightErrors,
     Partitioner, Progress, RunSettings, Scheme, Silent, ThreadPool, ThreadPoolError, thread_pool,
 };
+pub use brdf::{Gloss, NAMED_BRDFS, NamedBrdf};
 pub use compare::{
     ComparedImage, Failure, Figure, Figures, FlipMeasure, HeatScale, JudgeError, Judgement, Limits,
     Mask, MaskError, Measured, PassingLimits, judge, strip,

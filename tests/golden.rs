@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 use glam::Vec3;
 use program::{relume, scene, succeed, temporary_folder};
 use relume::golden::{DrawSettings, Drawn, find};
-use relume::reference::{ReferenceSettings, trace};
+use relume::reference::{GlossyBounces, ReferencePart, ReferenceSettings, trace};
 use relume::{Image, RunSettings, Scene, compare};
 
 /// Side of the blocks over which noise and edges are averaged out, pixels.
@@ -236,7 +236,8 @@ impl Case {
             bounces: scene.render.bounces,
             samples: PATHS,
             seed: 1,
-            direct: true,
+            part: ReferencePart::Global,
+            glossy: GlossyBounces::All,
         };
         let reference = trace(&scene, &settings, &RunSettings::silent());
         reference.expect("nobody stops the paths").image

@@ -2,7 +2,7 @@
 //! would not show a fault: in the penumbra alone.
 
 use glam::Vec3;
-use relume::reference::{ReferenceSettings, trace};
+use relume::reference::{GlossyBounces, ReferencePart, ReferenceSettings, trace};
 use relume::{Bounces, Component, FrameSettings, Image, Override, Renderer, RunSettings, Scene};
 
 /// Blocks of pixels darker than this share of the brightest lie in a penumbra, in
@@ -56,7 +56,8 @@ fn penumbras_are_as_bright_as_traced_ones() {
                 bounces: Bounces::Count(0),
                 samples: 64,
                 seed: 1,
-                direct: true,
+                part: ReferencePart::Global,
+                glossy: GlossyBounces::All,
             },
             &run,
         );

@@ -16,10 +16,15 @@ use super::paper::PaperRows;
 use super::rows::{Columns, Indices, Rows};
 use super::scheme::{Operator, Partitioner, Scheme};
 use super::sky::Sky;
+use super::slices::Slices;
 use super::{Bake, BakeStats};
+use crate::maths::spherical_harmonics::HARMONICS;
 
 const MAGIC: &[u8; 8] = b"relume\x1ab";
 const FORMAT_VERSION: u32 = 7;
+/// Named behind the scheme where a bake has slices: one without has no byte for
+/// them.
+const SLICES_PART: u8 = 1;
 /// Bytes before the payload: magic, version, key, length, checksum.
 const HEADER: usize = 8 + 4 + 32 + 8 + 32;
 
@@ -79,7 +84,9 @@ fn array<const N: usize>(bytes: &[u8]) -> [u8; N] {
 fn encode_payload(bake: &Bake) -> Vec<u8> {
     let mut out = Writer::default();
     let stats = &bake.stats;
-    out.list(&[stats.scheme.tag(), stats.partitioner.tag()]);
+    let mut head = vec![stats.scheme.tag(), stats.partitioner.tag()];
+    head.extend(bake.slices.as_ref().map(|_| SLICES_PART));
+    out.list(&head);
     out.list(&[stats.rays]);
     out.list(&[stats.threshold]);
     out.list(&[
@@ -105,6 +112,9 @@ fn encode_payload(bake: &Bake) -> Vec<u8> {
     match &bake.operator {
         Operator::LowRank(operator) => out.low_rank(operator),
         Operator::Paper(rows) => out.paper_rows(rows),
+    }
+    if let Some(slices) = &bake.slices {
+        out.slices(slices);
     }
     // A closed scene has no byte for the sky.
     if let Some(sky) = &bake.sky {
@@ -141,6 +151,15 @@ impl Writer {
         self.rows(&operator.rows);
     }
 
+    fn slices(&mut self, slices: &Slices) {
+        self.list(&slices.receivers);
+        self.list(&slices.scales);
+        self.list(&[slices.far.function_count as u32]);
+        self.rows(&slices.components);
+        self.rows(&slices.near);
+        self.rows(&slices.far);
+    }
+
     fn paper_rows(&mut self, rows: &PaperRows) {
         self.list(&rows.offsets);
         self.indices(&rows.functions);
@@ -152,9 +171,11 @@ impl Writer {
 
 fn decode_payload(payload: &[u8]) -> Result<Bake, FileError> {
     let mut input = Reader { rest: payload };
-    let &[scheme, partitioner] = input.list::<u8>()?.as_slice() else {
+    let head = input.list::<u8>()?;
+    let [scheme, partitioner, parts @ ..] = head.as_slice() else {
         return Err(FileError::Damaged);
     };
+    let (scheme, partitioner) = (*scheme, *partitioner);
     let scheme = Scheme::ALL.into_iter().find(|s| s.tag() == scheme);
     let partitioner = Partitioner::ALL
         .into_iter()
@@ -223,6 +244,11 @@ fn decode_payload(payload: &[u8]) -> Result<Bake, FileError> {
         }
         Scheme::Paper => Operator::Paper(input.paper_rows(basis.function_count(), slot_count)?),
     };
+    let slices = if parts.contains(&SLICES_PART) {
+        Some(input.slices(basis.function_count(), slot_count)?)
+    } else {
+        None
+    };
     let sky = if input.rest.is_empty() {
         None
     } else {
@@ -237,6 +263,7 @@ fn decode_payload(payload: &[u8]) -> Result<Bake, FileError> {
             basis,
             operator,
             sky,
+            slices,
             stats,
         })
     } else {
@@ -357,6 +384,25 @@ impl Reader<'_> {
         };
         rows.check(slot_count).map_err(FileError::Inconsistent)?;
         Ok(rows)
+    }
+
+    fn slices(&mut self, functions: usize, slots: usize) -> Result<Slices, FileError> {
+        let receivers = self.list::<u32>()?;
+        let scales = self.list::<f32>()?;
+        let &[components] = self.list::<u32>()?.as_slice() else {
+            return Err(FileError::Damaged);
+        };
+        let (components, rows) = (components as usize, receivers.len() * HARMONICS);
+        let slices = Slices {
+            components: self.rows(0, scales.len(), components)?,
+            near: self.rows(0, slots, rows)?,
+            far: self.rows(0, components, rows)?,
+            receivers,
+            scales,
+        };
+        let checked = slices.check(slots, functions);
+        checked.map_err(FileError::Inconsistent)?;
+        Ok(slices)
     }
 
     /// Lists of `slot_count` receivers that name so many functions.

@@ -11,6 +11,7 @@ use super::operator::PILOT_GROUPS;
 use super::pilot::{GroupView, SurveyJob, seconds_a_row};
 use super::scheme::{Partitioner, Scheme};
 use super::sky;
+use super::slices::{self, Slices};
 use super::transfer::GROUP;
 use super::{Bake, BakeError, BakeSettings, RunSettings, low_rank};
 use crate::maths::cube_cells::CELL_COUNT;
@@ -55,6 +56,10 @@ pub struct BakeForecast {
     pub row_bytes: usize,
     /// Bytes of the rows of the sky.
     pub sky_bytes: usize,
+    /// Vertices of glossy materials.
+    pub glossy_vertices: usize,
+    /// Bytes of their slices.
+    pub slice_bytes: usize,
     /// Most memory that the program takes while it bakes or loads the bake,
     /// bytes, without the scene's images.
     pub peak_bytes: usize,
@@ -109,6 +114,8 @@ impl BakeForecast {
             bytes: file_bytes,
             row_bytes: bake.operator().bytes(),
             sky_bytes: bake.sky_bytes(),
+            glossy_vertices: bake.slices().map_or(0, Slices::vertex_count),
+            slice_bytes: bake.slices().map_or(0, Slices::bytes),
             peak_bytes: peak_bytes(vertices, file_bytes, LOADING_COPIES),
             seconds: 0.0,
         }
@@ -350,6 +357,10 @@ fn with_sides(surface: &Surface, settings: &BakeSettings, run: &RunSettings) -> 
     } else {
         0
     };
+    let glossy_vertices = (0..vertices as u32)
+        .filter(|&v| surface.is_glossy(v))
+        .count();
+    let slice_bytes = glossy_vertices * slices::BYTES_A_VERTEX;
     let shares_lists = settings.scheme == Scheme::Relume;
     let shared_tables = usize::from(shares_lists) + usize::from(has_sky);
     let bytes = FILE_FRAME_BYTES
@@ -360,12 +371,13 @@ fn with_sides(surface: &Surface, settings: &BakeSettings, run: &RunSettings) -> 
         + pieces.value_count() * 4
         + row_bytes
         + sky_bytes
+        + slice_bytes
         + shared_tables * groups * RECEIVER_BYTES;
 
     let seconds_a_row = seconds_a_row(surface, settings.rays, run);
     // The pilot groups of the sky are sampled twice. Compressing a row takes a
     // few per cent of the time of sampling it, and is left out.
-    let rows = vertices + vertices.min(PILOT_GROUPS * GROUP);
+    let rows = vertices + glossy_vertices + vertices.min(PILOT_GROUPS * GROUP);
     // Who chooses coefficients by |c| alone needs no prior lights.
     let prior_lights = if shares_lists {
         RAYS_OF_PRIOR_LIGHTS
@@ -389,6 +401,8 @@ fn with_sides(surface: &Surface, settings: &BakeSettings, run: &RunSettings) -> 
         bytes,
         row_bytes,
         sky_bytes,
+        glossy_vertices,
+        slice_bytes,
         peak_bytes: peak_bytes(vertices, bytes, BAKING_COPIES),
         seconds: seconds_a_row * rows as f64
             + survey.seconds_a_ray * rays_a_vertex * vertices as f64,

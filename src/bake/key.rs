@@ -12,7 +12,7 @@ pub(crate) struct BakeKey([u8; 32]);
 
 impl BakeKey {
     /// Key of a surface's fronts (positions, normals, normal groups, material
-    /// borders) under settings. Albedo, lights and camera are not in it; sides
+    /// borders, which triangles are glossy) under settings. Albedo, lights and camera are not in it; sides
     /// follow from the geometry.
     pub(crate) fn of(surface: &Surface, settings: &BakeSettings) -> Self {
         let mut hash = blake3::Hasher::new();
@@ -56,6 +56,13 @@ impl BakeKey {
             words(&surface.vertices.of_triangle(index as u32, true));
             for normal in triangle.normals {
                 words(&normal.to_array().map(f32::to_bits));
+            }
+        }
+        // Slices are made only where a material is glossy.
+        if surface.glossy_materials.contains(&true) {
+            for triangle in &surface.mesh.triangles {
+                let is_glossy = surface.glossy_materials[triangle.material as usize];
+                words(&[u32::from(is_glossy)]);
             }
         }
         Self(*hash.finalize().as_bytes())

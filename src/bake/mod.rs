@@ -36,6 +36,7 @@ mod partition;
 mod pilot;
 mod places;
 mod prior;
+mod projection;
 #[cfg(test)]
 mod response_tests;
 mod rows;
@@ -47,6 +48,7 @@ mod settings;
 mod sky;
 #[cfg(test)]
 mod sky_tests;
+mod slices;
 mod stats;
 mod study;
 mod subspace;
@@ -69,6 +71,7 @@ use partition::{Partition, PartitionSettings, partition};
 use places::Places;
 use rows::Rows;
 use sky::Sky;
+use slices::Slices;
 use test_lights::TestLights;
 
 pub(crate) use audit::relative_error;
@@ -87,6 +90,7 @@ pub use stats::BakeStats;
 pub(crate) use study::{Study, StudyLight, VertexFields};
 pub(crate) use test_lights::{LIGHTS, TestKind};
 
+use crate::maths::spherical_harmonics::HARMONICS;
 use crate::simd::Level;
 use crate::simd::rows::GroupSums;
 use crate::surface::Surface;
@@ -128,6 +132,8 @@ pub(crate) struct Bake {
     operator: Operator,
     /// Light from the sky; `None` in a scene that is closed.
     sky: Option<Sky>,
+    /// The final glossy bounce; `None` where no material is glossy.
+    slices: Option<Slices>,
     stats: BakeStats,
 }
 
@@ -174,9 +180,13 @@ impl Bake {
             Scheme::Paper => *settings,
         };
         let basis = spectral_basis(&places, settings, run)?;
+        let has_gloss = surface.glossy_materials.contains(&true);
+        let importance = match settings.scheme {
+            Scheme::Paper if !has_gloss => Importance { sigma: Vec::new() },
+            _ => Importance::of(&places, run, &basis)?,
+        };
         let (operator, sky, stats) = match settings.scheme {
             Scheme::Relume => {
-                let importance = Importance::of(&places, run, &basis)?;
                 let (rows, sky, stats) = low_rank::sampled_rows(Task {
                     surface,
                     settings,
@@ -191,12 +201,24 @@ impl Bake {
                 (Operator::Paper(rows), sky, stats)
             }
         };
+        let slices = match has_gloss {
+            false => None,
+            true => slices::sampled_slices(slices::Task {
+                surface,
+                rays: settings.rays,
+                run,
+                basis: &basis,
+                importance: &importance,
+                sky: &sky::basis(),
+            })?,
+        };
         let mut bake = Self {
             backs,
             open_points,
             basis,
             operator,
             sky,
+            slices,
             stats,
         };
         run.progress.stage("energy", 1);
@@ -251,6 +273,25 @@ impl Bake {
             }
         }
         irradiance
+    }
+
+    /// The final glossy bounce; `None` where no material is glossy.
+    pub(crate) fn slices(&self) -> Option<&Slices> {
+        self.slices.as_ref()
+    }
+
+    /// What arrives at the glossy vertices by direction: their slots, and 16
+    /// coefficients each, W/m2, from the radiosity of all slots and H_m of the sky's
+    /// cells (empty without a sky), W/m2.
+    pub(crate) fn glossy_light(
+        &self,
+        level: Level,
+        radiosity: &[[f32; 3]],
+        cells: &[[f32; 3]],
+    ) -> Option<(&[u32], Vec<[[f32; 3]; HARMONICS]>)> {
+        let slices = self.slices.as_ref()?;
+        let light = slices.apply(level, &self.basis, radiosity, cells);
+        Some((&slices.receivers, light))
     }
 
     /// Bytes of the sky's rows; 0 in a closed scene.

@@ -182,6 +182,7 @@ impl<'a> Study<'a> {
             basis,
             operator,
             sky: None,
+            slices: None,
             stats: BakeStats::default(),
         })
     }

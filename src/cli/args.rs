@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use super::golden::Golden;
 use clap::{Args, Parser, Subcommand};
 use relume::preview::{ColourChoice, ProtocolChoice, UnknownChoice};
+use relume::reference::GlossyBounces;
 use relume::{Bounces, Component, ComponentError, PixelLimit, Scheme, SimdLevel};
 
 /// Relight OBJ scenes on a CPU, with bounced light.
@@ -148,9 +149,15 @@ pub(super) struct Reference {
     /// Another seed gives another picture with the same mean.
     #[arg(long, default_value_t = 1, value_name = "N")]
     pub(super) seed: u32,
-    /// What to trace: global, direct or indirect light.
-    #[arg(long, default_value = "global", value_parser = ["global", "direct", "indirect"], value_name = "NAME")]
+    /// What to trace: global, direct, indirect or glossy light.
+    #[arg(long, default_value = "global", value_name = "NAME",
+          value_parser = ["global", "direct", "indirect", "glossy"])]
     pub(super) component: String,
+    /// Where glossy lobes reflect: at all bounces, or only at the final one, to the
+    /// eye, as `render` has it.
+    #[arg(long, default_value = "all", value_name = "WHERE",
+          value_parser = parse_glossy_bounces)]
+    pub(super) glossy_bounces: GlossyBounces,
 }
 
 #[derive(Debug, Args)]
@@ -276,6 +283,14 @@ fn parse_bounces(text: &str) -> Result<Bounces, String> {
             .filter(|&count| count <= MOST_BOUNCES)
             .map(Bounces::Count)
             .ok_or_else(|| format!("bounces are a number from 0 to {MOST_BOUNCES}, or \"all\"")),
+    }
+}
+
+fn parse_glossy_bounces(text: &str) -> Result<GlossyBounces, String> {
+    match text {
+        "all" => Ok(GlossyBounces::All),
+        "final" => Ok(GlossyBounces::Final),
+        _ => Err("glossy bounces are all or final".to_owned()),
     }
 }
 

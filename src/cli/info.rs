@@ -36,7 +36,7 @@ fn object(outlook: &Outlook) -> Value {
         "front_vertices": bake.vertices - bake.back_vertices,
         "back_vertices": bake.back_vertices,
         "sides_are_exact": bake.sides_are_exact,
-        "glossy_vertices": 0,
+        "glossy_vertices": bake.glossy_vertices,
         "max_edge": outlook.max_edge,
         "extent": contents.extent,
         "materials": contents.materials,
@@ -65,6 +65,7 @@ fn object(outlook: &Outlook) -> Value {
         "bake_bytes": bake.bytes,
         "row_bytes": bake.row_bytes,
         "sky_bytes": bake.sky_bytes,
+        "slice_bytes": bake.slice_bytes,
         "peak_bytes": bake.peak_bytes + contents.images.bytes,
         "bake_seconds": bake.seconds,
         "size": outlook.frame.camera.size,
@@ -94,13 +95,7 @@ fn text(outlook: &Outlook) -> String {
         ("lights", lights_text(outlook)),
         ("mesh", mesh_text(outlook)),
         ("sky", sky_text(outlook)),
-        (
-            "glossy",
-            format!(
-                "not rendered yet: slices at 0 of {} vertices",
-                outlook.bake.vertices
-            ),
-        ),
+        ("glossy", glossy_text(&outlook.bake)),
         ("basis", basis_text(&outlook.bake)),
         ("bake", bake_text(outlook)),
         ("frame", frame_text(outlook)),
@@ -211,6 +206,18 @@ fn basis_text(bake: &BakeForecast) -> String {
         counted(bake.functions, "function"),
         bake.coefficients_per_vertex,
         counted(bake.rays as usize, "ray") + " a vertex",
+    )
+}
+
+fn glossy_text(bake: &BakeForecast) -> String {
+    if bake.glossy_vertices == 0 {
+        return "no material: nothing is kept for the final glossy bounce".to_owned();
+    }
+    format!(
+        "16 slices at {} of {}, {}",
+        counted(bake.glossy_vertices, "vertex"),
+        grouped(bake.vertices),
+        megabytes(bake.slice_bytes)
     )
 }
 

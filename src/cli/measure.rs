@@ -104,6 +104,10 @@ fn main_figures(figures: &MainFigures) -> Value {
         });
         (it.component.to_owned(), object)
     });
+    let glossy = figures.glossy.iter();
+    let glossy = glossy.map(|&(roughness, error, bias)| {
+        json!({ "roughness": roughness, "relative_rmse": error, "bias": bias })
+    });
     json!({
         "vertices": figures.vertices,
         "receivers": figures.receivers,
@@ -112,6 +116,7 @@ fn main_figures(figures: &MainFigures) -> Value {
         "noise_of_truth": figures.truth_noise,
         "paper_over_relume": ratios.collect::<Vec<_>>(),
         "images": Value::Object(images.collect()),
+        "glossy": glossy.collect::<Vec<_>>(),
         "bake_seconds": figures.bake_seconds,
         "threads": figures.threads,
         "seconds": figures.seconds,
@@ -153,6 +158,13 @@ fn summary(figures: &MainFigures) -> String {
             it.frame_ms,
             it.ratios[0],
             it.ratios[1],
+        ));
+    }
+    for (roughness, error, bias) in &figures.glossy {
+        lines.push(format!(
+            "slices at roughness {roughness:.1}: relRMSE {:.1} %, bias {:+.1} %",
+            error * 100.0,
+            bias * 100.0
         ));
     }
     lines.join("\n")

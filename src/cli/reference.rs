@@ -1,6 +1,6 @@
 //! `relume reference`: path-traced truth.
 
-use relume::reference::{ReferenceSettings, trace};
+use relume::reference::{GlossyBounces, ReferencePart, ReferenceSettings, trace};
 use relume::{
     Bounces, Component, Metadata, Picture, PictureMetadata, Scene, Stages, bounces_text,
     describe_levels, describe_scene, develop, write_described,
@@ -27,7 +27,12 @@ pub(super) fn execute(arguments: &Reference) -> Result<Report, CliError> {
         },
         samples: arguments.spp,
         seed: arguments.seed,
-        direct: arguments.component != "indirect",
+        part: match arguments.component.as_str() {
+            "indirect" => ReferencePart::Indirect,
+            "glossy" => ReferencePart::Glossy,
+            _ => ReferencePart::Global,
+        },
+        glossy: arguments.glossy_bounces,
     };
     let mut stages = Stages::default();
     let traced = with_run(&arguments.scene.run, |run| {
@@ -82,6 +87,9 @@ fn describe(scene: &Scene, arguments: &Reference, settings: &ReferenceSettings) 
     let mut metadata = describe_scene(scene, &settings.camera);
     metadata.set_own("component", arguments.component.as_str());
     metadata.set_own("bounces", bounces_text(settings.bounces));
+    if settings.glossy == GlossyBounces::Final {
+        metadata.set_own("glossy_bounces", "final");
+    }
     metadata.set_own("paths", settings.samples.to_string());
     metadata.set_own("seed", settings.seed.to_string());
     metadata

@@ -1,10 +1,13 @@
 //! Deterministic mathematics: elementary functions with the same bits on every
 //! machine, hashes in place of random number generators, low-discrepancy
-//! points, and the warps that turn them into directions and surface points.
+//! points, the warps that turn them into directions and surface points, spherical
+//! harmonics, small systems of equations.
 
 pub(crate) mod cube_cells;
+pub(crate) mod dense_solve;
 pub(crate) mod functions;
 pub(crate) mod hash;
 pub(crate) mod order;
 pub(crate) mod sampling;
 pub(crate) mod sobol;
+pub(crate) mod spherical_harmonics;

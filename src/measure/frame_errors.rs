@@ -9,7 +9,7 @@ use super::MeasureError;
 use super::statistics::{median, root_of_difference};
 use crate::bake::RunSettings;
 use crate::frame::{Difference, FlipMap, Image, PIXELS_PER_DEGREE, compare, flip};
-use crate::reference::{ReferenceSettings, trace};
+use crate::reference::{GlossyBounces, ReferencePart, ReferenceSettings, trace};
 use crate::relight::{Component, FrameSettings, RenderError, Renderer, develop};
 use crate::scene::{Bounces, Light, LightKind, Radiance, Scene};
 
@@ -132,13 +132,21 @@ fn references(
             bounces: frame.bounces,
             samples: (samples / 2).max(2),
             seed,
-            direct: false,
+            part: ReferencePart::Indirect,
+            glossy: GlossyBounces::All,
         };
         let indirect = traced(scene, &settings, run)?;
+        let all = ReferenceSettings {
+            part: ReferencePart::Global,
+            ..settings
+        };
+        if scene.materials.iter().any(|it| it.gloss().is_some()) {
+            // Lobes reflect light of any bounce: there is no sum of two parts.
+            return Ok([traced(scene, &all, run)?, indirect]);
+        }
         let direct = ReferenceSettings {
             bounces: Bounces::Count(0),
-            direct: true,
-            ..settings
+            ..all
         };
         let direct = traced(scene, &direct, run)?;
         Ok([joined(&direct, &indirect, |a, b| a + b), indirect])
@@ -147,7 +155,7 @@ fn references(
     Ok([[global_a, global_b], [indirect_a, indirect_b]])
 }
 
-fn traced(
+pub(super) fn traced(
     scene: &Scene,
     settings: &ReferenceSettings,
     run: &RunSettings,
@@ -156,7 +164,11 @@ fn traced(
     Ok(found.image)
 }
 
-fn joined(a: &Image, b: &Image, join: impl Fn(glam::Vec3, glam::Vec3) -> glam::Vec3) -> Image {
+pub(super) fn joined(
+    a: &Image,
+    b: &Image,
+    join: impl Fn(glam::Vec3, glam::Vec3) -> glam::Vec3,
+) -> Image {
     let pairs = a.pixels().iter().zip(b.pixels());
     let pixels = pairs.map(|(a, b)| join(*a, *b)).collect();
     Image::new(a.width(), a.height(), pixels).expect("as many pixels as before")
@@ -206,7 +218,7 @@ fn difference(reference: &Image, candidate: &Image, side: u32) -> Difference {
 }
 
 /// Means of blocks; those at the right and at the bottom may be smaller.
-fn blocks(image: &Image, side: u32) -> Image {
+pub(super) fn blocks(image: &Image, side: u32) -> Image {
     let (width, height) = (image.width(), image.height());
     let mean = |x0: u32, y0: u32| {
         let (mut sum, mut count) = (glam::DVec3::ZERO, 0.0);
@@ -264,7 +276,11 @@ fn tried(
             bounces: settings.bounces,
             samples,
             seed: TRIED_SEED ^ samples,
-            direct: settings.component == Component::Global,
+            part: match settings.component {
+                Component::Global => ReferencePart::Global,
+                _ => ReferencePart::Indirect,
+            },
+            glossy: GlossyBounces::All,
         };
         let start = Instant::now();
         let image = on_one_thread(|| traced(scene, &tracing, run))??;

@@ -11,6 +11,7 @@
 //! | `paths` | the same at some vertices against the path tracer |
 //! | `sweeps` | error against functions, coefficients, bytes, rays, milliseconds |
 //! | `frame_errors` | frames against the path tracer, and its time at equal error |
+//! | `glossy` | the final glossy bounce by slices against paths, by roughness |
 //! | `methods` | variants of the method that were tried, recorded |
 //! | `pictures` | frame beside reference, partitions, functions, components |
 //!
@@ -19,6 +20,7 @@
 
 mod frame_errors;
 mod frames;
+mod glossy;
 mod methods;
 mod paths;
 mod pictures;

@@ -118,6 +118,7 @@ fn relit(subject: &Subject, bake: &Bake, light: &PlacedLight, run: &RunSettings)
     transport
         .solve(&source, subject.albedo, Bounces::Count(BOUNCES))
         .expect("a number of bounces always has a sum")
+        .irradiance
 }
 
 fn compared(

@@ -6,14 +6,16 @@ use glam::Vec3;
 
 use super::MeasureError;
 use super::frame_errors::{self, Compared};
+use super::glossy::{self, GlossyError};
 use super::paths::{self, LightAgainstPaths, Subject};
 use super::pictures;
 use super::sweeps::{MOST_RAYS, Point, Sweeper, Swept};
 use super::vertices::{Parts, SchemeErrors, Truth};
 use crate::bake::{Bake, BakeError, BakeSettings, RunSettings, Scheme, Study};
+use crate::brdf::GlossyMaterials;
 use crate::relight::{FrameSettings, Renderer, SceneFigures, VertexColours};
 use crate::report::Block;
-use crate::scene::Scene;
+use crate::scene::{Material, Scene};
 use crate::surface::Surface;
 
 /// Up to so many vertices the rays of all rows are kept for the sweeps: 49 kB a
@@ -44,6 +46,8 @@ pub(super) struct Measured {
     pub(super) vertices: Option<Vertices>,
     pub(super) sweeps: Option<Sweeps>,
     pub(super) image: Option<Vec<Compared>>,
+    /// Empty without glossy materials.
+    pub(super) glossy: Vec<GlossyError>,
     pub(super) comparisons: Vec<Block>,
     pub(super) pictures: Vec<Block>,
     pub(super) warnings: Vec<String>,
@@ -104,6 +108,12 @@ pub(super) fn measure(
         None
     };
     clock.next("image");
+    let glossy = if has_light {
+        glossy::by_roughness(&mut renderer, &settings.frame, settings.samples, run)?
+    } else {
+        Vec::new()
+    };
+    clock.next("glossy");
     let pictures = pictures::components(&mut renderer, &settings.frame, has_light, run)?;
     clock.next("pictures");
     Ok(Measured {
@@ -118,6 +128,7 @@ pub(super) fn measure(
         vertices,
         sweeps,
         image,
+        glossy,
         comparisons,
         pictures,
         warnings,
@@ -204,7 +215,8 @@ fn transfer_chapters(
 fn albedo(scene: &Scene, surface: &Surface) -> Vec<Vec3> {
     let mut colours = VertexColours::default();
     colours.update(scene, surface);
-    colours.albedo(scene, surface)
+    let glossy = GlossyMaterials::of_all(scene.materials.iter().map(Material::gloss));
+    colours.albedo(scene, &glossy, surface)
 }
 
 fn vertices(

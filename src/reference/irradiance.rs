@@ -4,12 +4,13 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 use super::lights::Lights;
-use super::{ReferenceSettings, Tracer};
+use super::{GlossyBounces, ReferencePart, ReferenceSettings, Tracer};
 use crate::bake::RunSettings;
+use crate::brdf::GlossyMaterials;
 use crate::maths::hash::{hash3, uniform};
 use crate::maths::sampling::{cosine_direction, mirrored_above};
 use crate::maths::sobol::ScrambledSobol;
-use crate::scene::{Bounces, PlacedLight, Scene};
+use crate::scene::{Bounces, Material, PlacedLight, Scene};
 use crate::surface::{NONE, Surface, offset_origin};
 
 /// Independent batches of a vertex's paths.
@@ -53,11 +54,13 @@ pub(crate) fn indirect_irradiance(
         bounces: Bounces::Count(what.bounces - 1),
         samples: what.samples,
         seed: what.seed,
-        direct: true,
+        part: ReferencePart::Global,
+        glossy: GlossyBounces::None,
     };
     let tracer = Tracer {
         lights: Lights::alone(&dark, surface, light.clone()),
         scene: &dark,
+        glossy: GlossyMaterials::of_all(dark.materials.iter().map(Material::gloss)),
         camera: settings.camera.place(&surface.placement),
         surface,
         level: run.level,

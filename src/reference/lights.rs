@@ -6,7 +6,7 @@
 
 use glam::Vec3;
 
-use super::colour_at;
+use super::{Vertex, colour_at};
 use crate::maths::hash::uniform;
 use crate::maths::order::Order;
 use crate::maths::sampling::{mirrored_cosine_density, pick};
@@ -15,7 +15,7 @@ use crate::scene::{
     max_component,
 };
 use crate::simd::Level;
-use crate::surface::direct::{LightPoints, Shadows};
+use crate::surface::direct::{Found, LightPoints, SeenLobe, Shadows};
 use crate::surface::{Surface, SurfacePoint};
 
 /// The lights of a scene as paths use them.
@@ -36,15 +36,21 @@ pub(super) struct Lights<'a> {
 }
 
 /// How a path's direction was drawn.
-pub(super) struct Drawn {
-    /// Density of the direction, 1/sr.
-    density: f32,
+pub(super) enum Drawn {
+    /// About the normal, with this density, 1/sr.
+    Diffuse(f32),
+    /// By a glossy lobe, with this density, 1/sr.
+    ByLobe(f32),
 }
 
 impl Drawn {
-    pub(super) fn of(point: &SurfacePoint, direction: Vec3) -> Self {
-        Self {
-            density: path_density(point, direction),
+    pub(super) fn diffuse(point: &SurfacePoint, direction: Vec3) -> Self {
+        Self::Diffuse(path_density(point, direction))
+    }
+
+    fn density(&self) -> f32 {
+        match self {
+            Self::Diffuse(density) | Self::ByLobe(density) => *density,
         }
     }
 }
@@ -149,7 +155,7 @@ impl<'a> Lights<'a> {
         }
         self.skies.iter().fold(Vec3::ZERO, |sum, sky| {
             let weight = drawn.map_or(1.0, |drawn| {
-                drawn.density / (drawn.density + sky.density(direction))
+                drawn.density() / (drawn.density() + sky.density(direction))
             });
             sum + sky.radiance(direction, 0.0) * weight
         })
@@ -192,8 +198,139 @@ impl<'a> Lights<'a> {
         sum
     }
 
+    /// Radiance by a lobe of one point of every light but the skies, W/(m2 sr);
+    /// light of surfaces is weighted against the lobe's own directions.
+    pub(super) fn reflected(
+        &self,
+        level: Level,
+        point: &SurfacePoint,
+        lobe: &SeenLobe,
+        seed: u32,
+    ) -> Vec3 {
+        let shadows = Shadows {
+            surface: self.surface,
+            level,
+            rectangles: &self.rectangles,
+        };
+        let mut sum = Vec3::ZERO;
+        for light in &self.sharp {
+            let mut found = Found::by(Some(*lobe));
+            shadows.find(light, point, LightPoints::of(0, 0, 0, 1), &mut found);
+            sum += found.reflected();
+        }
+        let by_lobe = |(sample, density): (LightSample, f32)| {
+            let arriving = arriving(&shadows, point, &sample);
+            let drawn = lobe.glossy.density(&lobe.frame, sample.direction);
+            let weight = density / (density + drawn).at_least(f32::MIN_POSITIVE);
+            arriving * lobe.glossy.value(&lobe.frame, sample.direction) * weight
+        };
+        for (index, rectangle) in self.rectangles.iter().enumerate() {
+            let u = [10, 11].map(|d| uniform(seed, index as u32, d));
+            let sample = of_rectangle(rectangle, point, u);
+            let cosine = -sample.direction.dot(rectangle.normal.as_vec3());
+            sum += by_lobe((
+                sample,
+                density_of(area_of(rectangle), sample.distance, cosine),
+            ));
+        }
+        if !self.emitting.is_empty() {
+            let u = [12, 13, 14].map(|d| uniform(seed, 0, d));
+            let (triangle, sample) = self.drawn_of_mesh(point, u);
+            sum += by_lobe((sample, self.mesh_density(triangle, &sample)));
+        }
+        sum
+    }
+
+    /// Radiance by a lobe of one direction of every sky, W/(m2 sr), weighted
+    /// against the lobe's own directions.
+    pub(super) fn sky_reflected(
+        &self,
+        level: Level,
+        point: &SurfacePoint,
+        lobe: &SeenLobe,
+        seed: u32,
+    ) -> Vec3 {
+        let shadows = Shadows::of_surface(self.surface, level);
+        let mut sum = Vec3::ZERO;
+        for (index, sky) in self.skies.iter().enumerate() {
+            let u = [15, 16].map(|d| uniform(seed, index as u32, d));
+            let Some((direction, density)) = sky.sample(u) else {
+                continue;
+            };
+            let cosine = direction.dot(point.normal);
+            let is_above = cosine > 0.0 && direction.dot(point.flat_normal) > 0.0;
+            let sample = LightSample {
+                direction,
+                distance: f32::INFINITY,
+                irradiance: Vec3::ZERO,
+            };
+            if !is_above
+                || self.is_blocked_sun(point.position, direction)
+                || shadows.hidden(&sample, point)
+            {
+                continue;
+            }
+            let drawn = lobe.glossy.density(&lobe.frame, direction);
+            let value = lobe.glossy.value(&lobe.frame, direction);
+            sum += sky.radiance(direction, 0.0) * value * (cosine / (density + drawn));
+        }
+        sum
+    }
+
+    /// Radiance of the light that a direction of a lobe (with its origin) meets
+    /// before or at a vertex of the path, weighted against [`Self::reflected`].
+    pub(super) fn seen_by_lobe(
+        &self,
+        (origin, direction): (Vec3, Vec3),
+        distance: f32,
+        vertex: Option<&Vertex>,
+        drawn: f32,
+    ) -> Vec3 {
+        let weight = |density: f32| drawn / (drawn + density).at_least(f32::MIN_POSITIVE);
+        let rectangles = self.rectangles.iter();
+        let hits = rectangles.filter_map(|r| r.hit(origin, direction).map(|t| (t, r)));
+        let nearest = hits
+            .filter(|(t, _)| *t < distance)
+            .reduce(|a, b| if b.0 < a.0 { b } else { a });
+        if let Some((t, rectangle)) = nearest {
+            let cosine = -rectangle.normal.as_vec3().dot(direction);
+            if cosine <= 0.0 {
+                return Vec3::ZERO;
+            }
+            return rectangle.radiance * weight(density_of(area_of(rectangle), t, cosine));
+        }
+        let Some(vertex) = vertex.filter(|vertex| vertex.emission != Vec3::ZERO) else {
+            return Vec3::ZERO;
+        };
+        let sample = LightSample {
+            direction,
+            distance,
+            irradiance: Vec3::ZERO,
+        };
+        vertex.emission * weight(self.mesh_density(vertex.triangle, &sample))
+    }
+
+    /// Density (1/sr) of directions to an emitting triangle by
+    /// [`Self::drawn_of_mesh`].
+    fn mesh_density(&self, triangle: u32, sample: &LightSample) -> f32 {
+        let mesh = &self.surface.mesh.triangles[triangle as usize];
+        let emission = self.scene.materials[mesh.material as usize].emission;
+        let Some(total) = self.cumulative_power.last() else {
+            return 0.0;
+        };
+        let cosine = -sample.direction.dot(mesh.flat_normal);
+        // The chance of the triangle over its area is its emission over all power.
+        let area = total / max_component(emission).at_least(f32::MIN_POSITIVE);
+        density_of(area, sample.distance, cosine)
+    }
+
     /// A point of the emitting mesh, drawn by power.
-    fn of_mesh(&self, point: &SurfacePoint, [u, v, w]: [f32; 3]) -> LightSample {
+    fn of_mesh(&self, point: &SurfacePoint, u: [f32; 3]) -> LightSample {
+        self.drawn_of_mesh(point, u).1
+    }
+
+    /// The same with its triangle.
+    fn drawn_of_mesh(&self, point: &SurfacePoint, [u, v, w]: [f32; 3]) -> (u32, LightSample) {
         let index = pick(&self.cumulative_power, u);
         let triangle = self.emitting[index];
         let before = index
@@ -207,7 +344,8 @@ impl<'a> Lights<'a> {
         let there = self.surface.point(triangle, site.1, true);
         let area = self.surface.mesh.triangles[triangle as usize].area;
         let intensity = self.emission(site) * (area / chance);
-        toward(point, there.position, there.flat_normal, intensity)
+        let sample = toward(point, there.position, there.flat_normal, intensity);
+        (triangle, sample)
     }
 
     /// Irradiance of a sky by one direction drawn by its brightness, weighted
@@ -243,13 +381,24 @@ impl<'a> Lights<'a> {
 fn of_rectangle(rectangle: &PlacedRectangle, point: &SurfacePoint, u: [f32; 2]) -> LightSample {
     let there =
         rectangle.corner + rectangle.edge_u * f64::from(u[0]) + rectangle.edge_v * f64::from(u[1]);
-    let area = rectangle.edge_u.cross(rectangle.edge_v).length() as f32;
+    let area = area_of(rectangle);
     toward(
         point,
         there.as_vec3(),
         rectangle.normal.as_vec3(),
         rectangle.radiance * area,
     )
+}
+
+/// Square placed units.
+fn area_of(rectangle: &PlacedRectangle) -> f32 {
+    rectangle.edge_u.cross(rectangle.edge_v).length() as f32
+}
+
+/// Density (1/sr) of directions to points that are uniform over an area whose
+/// normal has a cosine to the direction back.
+fn density_of(area: f32, distance: f32, cosine: f32) -> f32 {
+    distance * distance / (area * cosine.at_least(1e-6))
 }
 
 /// What a piece of a light sends to a point; `intensity` is its radiance x area

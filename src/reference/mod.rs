@@ -1,4 +1,4 @@
-//! A diffuse path tracer: the truth that everything else is measured against.
+//! A path tracer: the truth that everything else is measured against.
 //!
 //! Comes in: the same scene, lights and rays as the renderer's. Goes out: a
 //! picture with its own noise. It shares no transfer, basis, rasterizer or
@@ -8,23 +8,25 @@
 
 mod irradiance;
 mod lights;
+mod lobes;
 
 use glam::Vec3;
 use rayon::prelude::*;
 
 use crate::bake::RunSettings;
+use crate::brdf::GlossyMaterials;
 use crate::frame::Image;
 use crate::maths::hash::{hash3, uniform};
 use crate::maths::order::Order;
-use crate::maths::sampling::{cosine_direction, mirrored_above};
 use crate::maths::sobol::ScrambledSobol;
-use crate::scene::{Bounces, Camera, PlacedCamera, Scene, max_component};
+use crate::scene::{Bounces, Camera, Material, PlacedCamera, Scene, max_component};
 use crate::simd::Level;
 use crate::surface::maps::mean_around;
 use crate::surface::{Detail, Ray, Surface, SurfacePoint};
 use crate::texture::TextureMap;
 pub(crate) use irradiance::{AtVertex, AtVertices, indirect_irradiance};
 use lights::{Drawn, Lights};
+use lobes::{Branch, Reflection};
 
 /// Points of one pixel that one scrambled set covers.
 const POINTS_PER_SET: u32 = 1 << 15;
@@ -32,6 +34,30 @@ const POINTS_PER_SET: u32 = 1 << 15;
 const ROULETTE_AFTER: u32 = 8;
 /// Longest path with endless bounces; at albedo 0.99 it cuts 4e-5 of the light.
 const LONGEST: u32 = 1_000;
+
+/// What a reference picture shows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ReferencePart {
+    /// All light.
+    Global,
+    /// Bounced light by the diffuse part of what is seen.
+    Indirect,
+    /// Light of the sky and of bounces by the lobe of what is seen.
+    Glossy,
+}
+
+/// Where paths are reflected by glossy lobes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum GlossyBounces {
+    /// Nowhere: every surface is diffuse, with the lobe's mean directional albedo
+    /// beside its own.
+    None,
+    /// Only where the eye sees them; before that as in [`Self::None`]. What the
+    /// renderer approximates.
+    Final,
+    /// Everywhere.
+    All,
+}
 
 /// Settings of a reference picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -44,8 +70,10 @@ pub struct ReferenceSettings {
     pub samples: u32,
     /// Another seed, another picture with the same mean.
     pub seed: u32,
-    /// Whether direct light is part of the picture.
-    pub direct: bool,
+    /// What of the light is shown.
+    pub part: ReferencePart,
+    /// Where lobes reflect.
+    pub glossy: GlossyBounces,
 }
 
 /// A path-traced picture.
@@ -66,6 +94,7 @@ pub fn trace(scene: &Scene, settings: &ReferenceSettings, run: &RunSettings) -> 
     let tracer = Tracer {
         lights: Lights::of(scene, &surface),
         scene,
+        glossy: GlossyMaterials::of_all(scene.materials.iter().map(Material::gloss)),
         camera: settings.camera.place(&surface.placement),
         surface: &surface,
         level: run.level,
@@ -105,6 +134,7 @@ struct Tracer<'a> {
     level: Level,
     lights: Lights<'a>,
     scene: &'a Scene,
+    glossy: GlossyMaterials,
     camera: PlacedCamera,
     settings: &'a ReferenceSettings,
 }
@@ -112,7 +142,10 @@ struct Tracer<'a> {
 /// Where a path is: a point with normals on the side it arrived from.
 struct Vertex {
     point: SurfacePoint,
+    /// Kd, with its map.
     albedo: Vec3,
+    material: u32,
+    triangle: u32,
     /// Radiance that the side emits, W/(m2 sr).
     emission: Vec3,
 }
@@ -157,7 +190,8 @@ impl Tracer<'_> {
             Bounces::All => LONGEST,
         };
         // Light at the first vertex is direct light.
-        let counts = |bounce: u32| bounce > 0 || self.settings.direct;
+        let part = self.settings.part;
+        let counts = |bounce: u32| bounce > 0 || part == ReferencePart::Global;
         // How the last direction was drawn; not at all from the eye.
         let mut drawn: Option<Drawn> = None;
         for bounce in 0..=longest + 1 {
@@ -167,9 +201,20 @@ impl Tracer<'_> {
             {
                 return if counts(0) { lamp } else { Vec3::ZERO };
             }
+            if let Some(Drawn::ByLobe(density)) = drawn
+                && counts(bounce - 1)
+            {
+                let ray = (origin, direction);
+                let light = self
+                    .lights
+                    .seen_by_lobe(ray, distance, vertex.as_ref(), density);
+                radiance += throughput * light;
+            }
             let Some(vertex) = vertex else {
                 // What a direction meets belongs to the vertex that it left.
-                if counts(bounce.saturating_sub(1)) {
+                let from_eye = bounce == 0 && part != ReferencePart::Global;
+                if counts(bounce.saturating_sub(1)) || (part == ReferencePart::Glossy && !from_eye)
+                {
                     radiance +=
                         throughput * self.lights.sky_seen(origin, direction, drawn.as_ref());
                 }
@@ -181,14 +226,15 @@ impl Tracer<'_> {
             if bounce == 0 && counts(0) {
                 radiance += vertex.emission;
             }
-            throughput *= vertex.albedo;
-            if counts(bounce) {
-                let direct =
-                    self.lights
-                        .irradiance(self.level, &vertex.point, hash3(path, bounce, 7));
-                radiance += throughput * direct * std::f32::consts::FRAC_1_PI;
-            }
-            if bounce == longest && !self.lights.has_sky() {
+            let reflection = self.reflection(&vertex, -direction, bounce);
+            let seed = hash3(path, bounce, 7);
+            radiance += throughput * self.next_event(&vertex.point, &reflection, bounce, seed);
+            let branch = reflection.branch(bounce, part, uniform(path, bounce, 3));
+            let Some(branch) = branch else {
+                break;
+            };
+            let is_last = bounce == longest;
+            if is_last && !self.lights.has_sky() && matches!(branch, Branch::Diffuse(_)) {
                 break;
             }
             let u = if bounce == 0 {
@@ -196,17 +242,57 @@ impl Tracer<'_> {
             } else {
                 [0, 1].map(|d| uniform(path, bounce, d))
             };
-            let about_normal = cosine_direction(vertex.point.normal, u);
-            direction = mirrored_above(about_normal, vertex.point.flat_normal);
+            let Some(next) = branch.followed(&vertex.point, u) else {
+                break;
+            };
+            throughput *= next.weight;
             if !self.survives(&mut throughput, bounce, path) {
                 break;
             }
+            direction = next.direction;
             origin = crate::surface::offset_origin(
                 vertex.point.position,
                 vertex.point.flat_normal,
                 direction,
             );
-            drawn = Some(Drawn::of(&vertex.point, direction));
+            drawn = Some(next.drawn);
+        }
+        radiance
+    }
+
+    /// How a path's vertex reflects towards where the path came from.
+    fn reflection(&self, vertex: &Vertex, to_eye: Vec3, bounce: u32) -> Reflection<'_> {
+        let glossy = self.glossy.of(vertex.material);
+        let reflects = match self.settings.glossy {
+            GlossyBounces::None => false,
+            GlossyBounces::Final => bounce == 0,
+            GlossyBounces::All => true,
+        };
+        Reflection::of(vertex.albedo, glossy, reflects, &vertex.point, to_eye)
+    }
+
+    /// Radiance by light that comes straight from lights, as far as it counts.
+    fn next_event(
+        &self,
+        point: &SurfacePoint,
+        reflection: &Reflection,
+        bounce: u32,
+        seed: u32,
+    ) -> Vec3 {
+        let part = self.settings.part;
+        let mut radiance = Vec3::ZERO;
+        if bounce > 0 || part == ReferencePart::Global {
+            let irradiance = self.lights.irradiance(self.level, point, seed);
+            radiance += reflection.diffuse * irradiance * std::f32::consts::FRAC_1_PI;
+            if let Some(lobe) = &reflection.lobe {
+                radiance += self.lights.reflected(self.level, point, lobe, seed);
+            }
+        }
+        let shows_sky = bounce > 0 || part != ReferencePart::Indirect;
+        if let Some(lobe) = &reflection.lobe
+            && shows_sky
+        {
+            radiance += self.lights.sky_reflected(self.level, point, lobe, seed);
         }
         radiance
     }
@@ -244,6 +330,8 @@ impl Tracer<'_> {
         let vertex = Vertex {
             point,
             albedo: self.albedo(site),
+            material: triangle.material,
+            triangle: hit.triangle,
             emission: if front {
                 self.lights.emission(site)
             } else {

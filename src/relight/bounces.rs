@@ -50,8 +50,17 @@ pub(crate) struct Transport<'a> {
     pub(crate) level: Level,
 }
 
+/// Bounced light, and what the last bounce started with.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Solution {
+    /// Indirect irradiance at every vertex, W/m2.
+    pub(crate) irradiance: Vec<Vec3>,
+    /// The radiosity whose light that is, W/m2, in slots: zero without a bounce.
+    pub(crate) outgoing: Vec<[f32; 3]>,
+}
+
 impl Transport<'_> {
-    /// Indirect irradiance at every vertex, W/m2, of bounces 1 to N.
+    /// Light of bounces 1 to N at every vertex.
     ///
     /// `source` is the radiosity of the vertices before any bounce (albedo x
     /// direct irradiance, or pi x emitted radiance), W/m2; `albedo` that of
@@ -62,13 +71,20 @@ impl Transport<'_> {
         source: &[Vec3],
         albedo: &[Vec3],
         bounces: Bounces,
-    ) -> Result<Vec<Vec3>, BounceError> {
+    ) -> Result<Solution, BounceError> {
         let (source, albedo) = (self.in_slots(source), self.in_slots(albedo));
-        let irradiance = match bounces {
+        let (irradiance, outgoing) = match bounces {
             Bounces::Count(count) => self.count(&source, &albedo, count),
-            Bounces::All => self.all(&source, &albedo)?,
+            Bounces::All => {
+                let limit = self.all(&source, &albedo)?;
+                let outgoing = radiosity(&source, &albedo, &limit);
+                (limit, outgoing)
+            }
         };
-        Ok(self.at_vertices(&irradiance))
+        Ok(Solution {
+            irradiance: self.at_vertices(&irradiance),
+            outgoing,
+        })
     }
 
     /// S S^T B at every vertex: what projection on the basis leaves of a field.
@@ -92,14 +108,20 @@ impl Transport<'_> {
         values
     }
 
-    fn count(&self, source: &[[f32; 3]], albedo: &[[f32; 3]], count: u32) -> Vec<[f32; 3]> {
+    /// E^N, and the B that gave it.
+    fn count(
+        &self,
+        source: &[[f32; 3]],
+        albedo: &[[f32; 3]],
+        count: u32,
+    ) -> (Vec<[f32; 3]>, Vec<[f32; 3]>) {
         let mut irradiance = vec![[0.0; 3]; source.len()];
+        let mut outgoing = irradiance.clone();
         for _ in 0..count {
-            irradiance = self
-                .bake
-                .apply(self.level, &radiosity(source, albedo, &irradiance));
+            outgoing = radiosity(source, albedo, &irradiance);
+            irradiance = self.bake.apply(self.level, &outgoing);
         }
-        irradiance
+        (irradiance, outgoing)
     }
 
     /// Bounces until the limit of the geometric series, as the ratio of the

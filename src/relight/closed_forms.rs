@@ -23,6 +23,7 @@
 //! | `textures` | what a map on a surface is on average |
 //! | `relit` | lamps and materials changed from frame to frame |
 //! | `messy` | files and faces as other programs leave them |
+//! | `glossy` | furnaces of lobes, slices against paths |
 //! | `finite` | what has no meaning makes no frame that has none |
 //!
 //! Where the answer to a known hard case is tested, here and elsewhere;
@@ -90,6 +91,7 @@ mod direct_flux;
 mod emitters;
 mod enclosures;
 mod finite;
+mod glossy;
 mod kept;
 mod maps;
 mod messy;
@@ -210,6 +212,7 @@ impl Baked {
             .map(|v| Vec3::splat(albedo(v)))
             .collect();
         let solved = self.transport().solve(source, &albedo, bounces);
+        let solved = solved.map(|solution| solution.irradiance);
         solved.expect("light that decays has a limit")
     }
 

@@ -2,6 +2,7 @@
 
 use glam::Vec3;
 
+use crate::brdf::GlossyMaterials;
 use crate::scene::Scene;
 use crate::surface::Surface;
 use crate::surface::maps::means_at_vertices;
@@ -40,17 +41,27 @@ impl VertexColours {
         self.made_of = Some(wanted);
     }
 
-    /// Kd x map of every vertex.
-    pub(crate) fn albedo(&self, scene: &Scene, surface: &Surface) -> Vec<Vec3> {
-        let materials = surface.vertices.materials().iter();
-        let of_materials = materials.map(|&m| scene.materials[m as usize].albedo);
-        if self.means.is_empty() {
-            return of_materials.collect();
-        }
-        let means = self.means.iter();
-        of_materials
-            .zip(means)
-            .map(|(kd, mean)| kd * *mean)
-            .collect()
+    /// Share of light that every vertex hands on to the next bounce: Kd x map of
+    /// what its lobe leaves, and the lobe's mean directional albedo.
+    pub(crate) fn albedo(
+        &self,
+        scene: &Scene,
+        glossy: &GlossyMaterials,
+        surface: &Surface,
+    ) -> Vec<Vec3> {
+        let means = self.means.iter().copied();
+        let means = means.chain(std::iter::repeat(Vec3::ONE));
+        let materials = surface.vertices.materials().iter().zip(means);
+        let albedo = |(&material, mean): (&u32, Vec3)| {
+            let kd = scene.materials[material as usize].albedo * mean;
+            match glossy.of(material) {
+                Some(lobe) => {
+                    let by_lobe = lobe.mean_albedo();
+                    kd * (Vec3::ONE - by_lobe) + by_lobe
+                }
+                None => kd,
+            }
+        };
+        materials.map(albedo).collect()
     }
 }

@@ -9,13 +9,16 @@ use thiserror::Error;
 /// A component of a frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Component {
-    /// Direct and indirect light: radiance.
+    /// Direct, indirect and glossy light: radiance.
     #[default]
     Global,
     /// Direct light alone, radiance with albedo.
     Direct,
     /// Indirect light of bounces 1 to N alone, radiance with albedo.
     Indirect,
+    /// The final glossy bounce alone: light of the sky and of bounces by the
+    /// materials' lobes, radiance.
+    Glossy,
     /// Direct and indirect irradiance, without albedo.
     Irradiance,
     /// Diffuse albedo.
@@ -36,10 +39,11 @@ pub enum Component {
 
 /// All components by their names on the command line, but for
 /// [`Component::Basis`], whose name holds a number: see [`Component::from_str`].
-pub const COMPONENTS: [(&str, Component); 9] = [
+pub const COMPONENTS: [(&str, Component); 10] = [
     ("global", Component::Global),
     ("direct", Component::Direct),
     ("indirect", Component::Indirect),
+    ("glossy", Component::Glossy),
     ("irradiance", Component::Irradiance),
     ("albedo", Component::Albedo),
     ("normal", Component::Normal),
@@ -153,6 +157,12 @@ pub(super) struct Shaded {
     /// Emitted radiance, W/(m2 sr).
     pub(super) emission: Vec3,
     pub(super) albedo: Vec3,
+    /// Albedo of the diffuse part, for the viewer: Kd less what the lobe takes.
+    pub(super) diffuse: Vec3,
+    /// Direct light by the glossy lobe, W/(m2 sr).
+    pub(super) reflected: Vec3,
+    /// Bounced light by the glossy lobe, W/(m2 sr), not negative.
+    pub(super) glossy: Vec3,
     /// Unit shading normal.
     pub(super) normal: Vec3,
     /// Scene units.
@@ -164,11 +174,13 @@ pub(super) struct Shaded {
 /// The value of a component; radiance is irradiance x albedo / pi, and what is
 /// emitted counts as direct light.
 pub(super) fn shown(component: Component, s: &Shaded) -> Vec3 {
-    let reflected = s.albedo * std::f32::consts::FRAC_1_PI;
+    let diffuse = s.diffuse * std::f32::consts::FRAC_1_PI;
+    let direct = s.emission + diffuse * s.direct + s.reflected;
     match component {
-        Component::Global => s.emission + reflected * s.direct + reflected * s.indirect,
-        Component::Direct => s.emission + reflected * s.direct,
-        Component::Indirect => reflected * s.indirect,
+        Component::Global => direct + diffuse * s.indirect + s.glossy,
+        Component::Direct => direct,
+        Component::Indirect => diffuse * s.indirect,
+        Component::Glossy => s.glossy,
         Component::Irradiance => s.direct + s.indirect,
         Component::Albedo => s.albedo,
         Component::Normal => s.normal,
@@ -182,8 +194,8 @@ impl Component {
     /// Whether it is light, which exposure and tone curve apply to.
     pub fn is_light(self) -> bool {
         match self {
-            Self::Global | Self::Direct | Self::Indirect | Self::Irradiance => true,
-            Self::ApproximatedDirect => true,
+            Self::Global | Self::Direct | Self::Indirect | Self::Glossy => true,
+            Self::Irradiance | Self::ApproximatedDirect => true,
             Self::Albedo | Self::Normal | Self::Depth => false,
             Self::Partitions | Self::Basis(_) => false,
         }
@@ -202,6 +214,11 @@ impl Component {
     /// Whether it needs bounced light.
     pub fn needs_indirect(self) -> bool {
         matches!(self, Self::Global | Self::Indirect | Self::Irradiance)
+    }
+
+    /// Whether it shows the final glossy bounce.
+    pub(super) fn needs_glossy(self) -> bool {
+        matches!(self, Self::Global | Self::Glossy)
     }
 
     /// Whether it shows the basis, or light by it.

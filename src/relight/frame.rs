@@ -49,7 +49,8 @@ impl FrameSettings {
     }
 
     pub(super) fn needs_bounces(&self) -> bool {
-        self.component.needs_indirect() && self.bounces != Bounces::Count(0)
+        let needed = self.component.needs_indirect() || self.component.needs_glossy();
+        needed && self.bounces != Bounces::Count(0)
     }
 
     pub(super) fn needs_direct_at_vertices(&self) -> bool {

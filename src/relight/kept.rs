@@ -139,7 +139,7 @@ impl KeptDirect {
                         effort: job.effort,
                         part: Part {
                             id: self.computed,
-                            irradiance: job.irradiance(&lights.rectangles, light).into(),
+                            values: job.irradiance(&lights.rectangles, light).into(),
                         },
                     }
                 }
@@ -192,15 +192,8 @@ fn sky_irradiance(
     level: Level,
     skies: &[PlacedEnvironment],
 ) -> Vec<Vec3> {
-    let mut cells = vec![[0.0_f32; 3]; CELL_COUNT];
-    for sky in skies {
-        for (sum, cell) in cells.iter_mut().zip(sky.cells()) {
-            for channel in 0..3 {
-                sum[channel] += cell[channel];
-            }
-        }
-    }
-    if cells.iter().all(|cell| *cell == [0.0; 3]) {
+    let cells = cells_of(skies);
+    if cells.is_empty() {
         return Vec::new();
     }
     let hemisphere = Hemisphere::new();
@@ -214,6 +207,22 @@ fn sky_irradiance(
         at_vertices[vertex as usize] = Vec3::from_array(e.map(|e| if e > 0.0 { e } else { 0.0 }));
     }
     at_vertices
+}
+
+/// H_m of all skies, W/m2; empty where they are black.
+pub(super) fn cells_of(skies: &[PlacedEnvironment]) -> Vec<[f32; 3]> {
+    let mut cells = vec![[0.0_f32; 3]; CELL_COUNT];
+    for sky in skies {
+        for (sum, cell) in cells.iter_mut().zip(sky.cells()) {
+            for channel in 0..3 {
+                sum[channel] += cell[channel];
+            }
+        }
+    }
+    if cells.iter().all(|cell| *cell == [0.0; 3]) {
+        cells.clear();
+    }
+    cells
 }
 
 /// The sky over a plane that nothing is on.

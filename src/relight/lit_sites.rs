@@ -13,8 +13,10 @@ use super::shade::View;
 use super::sites::{Sites, members, samples_of};
 use super::stages::Stages;
 use super::sum::{BLOCK, BlockSums, Part};
+use crate::brdf::{GlossyMaterials, ViewedFrame};
 use crate::scene::PlacedLight;
-use crate::surface::direct::{Found, LightPoints};
+use crate::surface::SurfacePoint;
+use crate::surface::direct::{Found, LightPoints, SeenLobe, reflected_in_the_open};
 
 /// Samples of a pixel that share the shadow rays of its centre: where a light
 /// is partly hidden, each of the 16 samples gets a quarter of `light_samples`.
@@ -23,6 +25,10 @@ use crate::surface::direct::{Found, LightPoints};
 const SAMPLES_PER_CENTRE: u32 = 4;
 /// Seed of the points of lights, seen from samples.
 const LIGHT_SEED: u32 = 0x9e12;
+/// Points of a light that is no point, for what a lobe reflects where nothing hides
+/// the light: without shadow rays they cost little, and a highlight of roughness
+/// 0.3 shows single ones of 16.
+const POINTS_IN_THE_OPEN: u32 = 64;
 /// Sites that one task takes.
 const SITES_A_TASK: usize = 256;
 /// Most bytes of lights' irradiance that are kept of a picture: some 40 lights at
@@ -37,36 +43,53 @@ const MOST_PICTURES: usize = 3;
 pub(crate) struct KeptPicture {
     sites: Option<Sites>,
     lights: Vec<LitSites>,
+    /// The lobes that `lights` were reflected by.
+    glossy: GlossyMaterials,
     /// Lights computed so far: the next one's number.
     computed: u64,
     blocks: BlockSums,
+    reflected_blocks: BlockSums,
 }
 
 #[derive(Clone)]
 struct LitSites {
     light: PlacedLight,
     light_samples: u32,
-    /// By site.
+    /// Irradiance by site.
     part: Part,
+    /// Radiance by lobes by site; nowhere where no material has one.
+    reflected: Part,
+}
+
+/// Direct light by site; empty where the component has no use for it.
+#[derive(Debug, Default)]
+pub(super) struct DirectLight {
+    /// W/m2.
+    pub(super) irradiance: Vec<Vec3>,
+    /// Radiance by glossy lobes, W/(m2 sr); empty where no material has one.
+    pub(super) reflected: Vec<Vec3>,
 }
 
 impl KeptPicture {
-    /// The view's sites and the sum of all lights there, W/m2 (empty where the
-    /// component has no use for it); `None` if it was stopped, which is asked
-    /// between stages and lights.
+    /// The view's sites and the sum of all lights there; `None` if it was stopped,
+    /// which is asked between stages and lights.
     pub(super) fn direct(
         &mut self,
         view: &View,
         stages: &mut Stages,
         go_on: &dyn Fn() -> Option<()>,
-    ) -> Option<(&Sites, Vec<Vec3>)> {
+    ) -> Option<(&Sites, DirectLight)> {
         if !self.sites.as_ref().is_some_and(|sites| sites.serve(view)) {
             *self = Self::default();
             self.sites = Some(Sites::of(view, stages, go_on)?);
         }
         let sites = self.sites.as_ref().expect("they were made above");
         if !view.component.needs_direct() {
-            return Some((sites, Vec::new()));
+            return Some((sites, DirectLight::default()));
+        }
+        if self.glossy != *view.glossy {
+            self.lights.clear();
+            self.glossy = view.glossy.clone();
         }
         let kept = std::mem::take(&mut self.lights);
         let found = |light: &PlacedLight| {
@@ -78,25 +101,29 @@ impl KeptPicture {
         let asked = Asked::of(view, sites, &new, stages, go_on);
         let mut next_asked = 0;
         let mut sum = vec![Vec3::ZERO; sites.len()];
-        let bytes_of_one = size_of_val(sum.as_slice());
+        let reflecting = if view.glossy.any() { sites.len() } else { 0 };
+        let mut reflected = vec![Vec3::ZERO; reflecting];
+        let bytes_of_one = size_of_val(sum.as_slice()) + size_of_val(reflected.as_slice());
         for (index, lights) in view.lights.sources.chunks(BLOCK).enumerate() {
             let mut block = Vec::with_capacity(BLOCK);
+            let mut reflected_block = Vec::with_capacity(BLOCK);
             for light in lights {
                 let lit = match (found(light), &asked) {
                     (Some(lit), _) => lit.clone(),
                     (None, Some(asked)) if go_on().is_some() => {
                         next_asked += 1;
                         self.computed += 1;
-                        let irradiance = stages.time("light at pixels", || {
-                            asked.irradiance(light, next_asked - 1)
-                        });
+                        let [irradiance, reflected] = stages
+                            .time("light at pixels", || asked.at_sites(light, next_asked - 1));
+                        let part = |values| Part {
+                            id: self.computed,
+                            values,
+                        };
                         LitSites {
                             light: light.clone(),
                             light_samples: view.light_samples,
-                            part: Part {
-                                id: self.computed,
-                                irradiance,
-                            },
+                            part: part(irradiance),
+                            reflected: part(reflected),
                         }
                     }
                     _ => {
@@ -105,15 +132,27 @@ impl KeptPicture {
                     }
                 };
                 block.push(lit.part.clone());
+                reflected_block.push(lit.reflected.clone());
                 if (self.lights.len() + 1) * bytes_of_one <= KEPT_BYTES {
                     self.lights.push(lit);
                 }
             }
             stages.time("light at pixels", || {
-                self.blocks.add(index, &block, &mut sum)
+                self.blocks.add(index, &block, &mut sum);
+                if !reflected.is_empty() {
+                    let blocks = &mut self.reflected_blocks;
+                    blocks.add(index, &reflected_block, &mut reflected);
+                }
             });
         }
-        Some((sites, sum))
+        let irradiance = sum;
+        Some((
+            sites,
+            DirectLight {
+                irradiance,
+                reflected,
+            },
+        ))
     }
 }
 
@@ -214,51 +253,76 @@ impl<'a> Asked<'a> {
         Some(asked)
     }
 
-    /// Irradiance of one light at every site, W/m2; `number` is its place among
-    /// those that were asked for.
-    fn irradiance(&self, light: &PlacedLight, number: usize) -> Arc<[Vec3]> {
+    /// What one light does at every site: irradiance, W/m2, and radiance by lobes,
+    /// W/(m2 sr), nowhere where no material has one; `number` is the light's place
+    /// among those that were asked for.
+    fn at_sites(&self, light: &PlacedLight, number: usize) -> [Arc<[Vec3]>; 2] {
         let site = |site: usize| match site.checked_sub(self.sites.pixel_count()) {
             None if self.view.effort == Effort::Draft => self.at_centre(light, site),
-            None if self.sites.edges[site] => Vec3::ZERO,
+            None if self.sites.edges[site] => Lit::default(),
             None => self.at_pixel(light, number, site),
             Some(group) => self.at_group(light, number, group),
         };
         let sites = (0..self.sites.len()).into_par_iter();
-        let values: Vec<Vec3> = sites.with_min_len(SITES_A_TASK).map(site).collect();
-        values.into()
+        let sites = sites.with_min_len(SITES_A_TASK).map(site);
+        if !self.view.glossy.any() {
+            let irradiance: Vec<Vec3> = sites.map(|lit| lit.irradiance).collect();
+            return [irradiance.into(), Arc::default()];
+        }
+        let both: (Vec<Vec3>, Vec<Vec3>) = sites.map(|lit| (lit.irradiance, lit.reflected)).unzip();
+        [both.0.into(), both.1.into()]
+    }
+
+    /// The lobe of what a fragment shows.
+    fn lobe(&self, fragment: &Fragment, point: &SurfacePoint) -> Option<SeenLobe<'_>> {
+        let triangle = &self.view.surface.mesh.triangles[fragment.triangle as usize];
+        let glossy = self.view.glossy.of(triangle.material)?;
+        let frame = ViewedFrame::of(point.normal, self.view.to_eye(point));
+        Some(SeenLobe { glossy, frame })
     }
 
     /// In a draft: the light at the pixel's centre.
-    fn at_centre(&self, light: &PlacedLight, pixel: usize) -> Vec3 {
+    fn at_centre(&self, light: &PlacedLight, pixel: usize) -> Lit {
         let Some(point) = &self.sites.points[pixel] else {
-            return Vec3::ZERO;
+            return Lit::default();
         };
+        let lobe = self.lobe(&self.sites.centers.fragments[pixel], point);
         let count = self.view.light_samples;
         let to_light = LightPoints::of(LIGHT_SEED, pixel as u32, 0, count);
-        self.view.shadows().irradiance(light, point, to_light)
+        let mut found = Found::by(lobe);
+        self.view.shadows().find(light, point, to_light, &mut found);
+        Lit::of(&found)
     }
 
     /// A pixel of one surface: at its centre, or averaged over its samples where
     /// the light has an edge there.
-    fn at_pixel(&self, light: &PlacedLight, number: usize, pixel: usize) -> Vec3 {
+    fn at_pixel(&self, light: &PlacedLight, number: usize, pixel: usize) -> Lit {
         let Some(point) = &self.sites.points[pixel] else {
-            return Vec3::ZERO;
+            return Lit::default();
         };
         if self.mixed[number][pixel] {
             let samples = self.samples.pixel(pixel);
             let samples = samples.expect("a pixel with a light's edge has samples");
             return self.mean(light, pixel, samples.iter());
         }
-        if self.reaches[number][pixel] == Reach::Lit {
-            light.incident(point.position, point.normal).open()
-        } else {
-            Vec3::ZERO
+        if self.reaches[number][pixel] != Reach::Lit {
+            return Lit::default();
+        }
+        let incident = light.incident(point.position, point.normal);
+        let lobe = self.lobe(&self.sites.centers.fragments[pixel], point);
+        let reflected = lobe.map(|lobe| {
+            let points = LightPoints::of(LIGHT_SEED, pixel as u32, 0, POINTS_IN_THE_OPEN);
+            reflected_in_the_open(&incident, point, &lobe, points)
+        });
+        Lit {
+            irradiance: incident.open(),
+            reflected: reflected.unwrap_or(Vec3::ZERO),
         }
     }
 
     /// One surface of a pixel of several: at its sample closest to its middle,
     /// or averaged over its samples.
-    fn at_group(&self, light: &PlacedLight, number: usize, index: usize) -> Vec3 {
+    fn at_group(&self, light: &PlacedLight, number: usize, index: usize) -> Lit {
         let (pixel, group) = (self.pixels_of_groups[index], self.sites.group(index));
         let samples = self.sites.samples.pixel(pixel as usize);
         let samples = samples.expect("a pixel of an edge has samples");
@@ -266,10 +330,14 @@ impl<'a> Asked<'a> {
             return self.mean(light, pixel as usize, members(group, samples));
         }
         let fragment = &samples[group.representative as usize];
-        seen_point(self.view, fragment).map_or(Vec3::ZERO, |point| {
+        seen_point(self.view, fragment).map_or(Lit::default(), |point| {
             let count = self.view.light_samples;
             let to_light = LightPoints::of(LIGHT_SEED, pixel, 0, count);
-            self.view.shadows().irradiance(light, &point, to_light)
+            let mut found = Found::by(self.lobe(fragment, &point));
+            self.view
+                .shadows()
+                .find(light, &point, to_light, &mut found);
+            Lit::of(&found)
         })
     }
 
@@ -285,7 +353,7 @@ impl<'a> Asked<'a> {
         light: &PlacedLight,
         pixel: usize,
         fragments: impl Iterator<Item = &'f Fragment>,
-    ) -> Vec3 {
+    ) -> Lit {
         let shadows = self.view.shadows();
         let mut found = Found::default();
         // What a light that is no point sends hardly changes within a pixel: one
@@ -295,6 +363,7 @@ impl<'a> Asked<'a> {
             let Some(point) = seen_point(self.view, fragment) else {
                 continue;
             };
+            found.lobe = self.lobe(fragment, &point);
             let to_light = self.light_points(pixel, sample as u32);
             if shared.is_none() || light.is_sharp() {
                 let incident = light.incident(point.position, point.normal);
@@ -304,6 +373,24 @@ impl<'a> Asked<'a> {
                 shadows.follow_all((incident, *from), &point, to_light, &mut found);
             }
         }
-        found.irradiance()
+        Lit::of(&found)
+    }
+}
+
+/// What a light does at a site.
+#[derive(Debug, Clone, Copy, Default)]
+struct Lit {
+    /// W/m2.
+    irradiance: Vec3,
+    /// Radiance by the lobe, W/(m2 sr).
+    reflected: Vec3,
+}
+
+impl Lit {
+    fn of(found: &Found) -> Self {
+        Self {
+            irradiance: found.irradiance(),
+            reflected: found.reflected(),
+        }
     }
 }

@@ -15,6 +15,7 @@ mod component;
 mod description;
 mod frame;
 mod geometry;
+mod glossy_light;
 mod kept;
 mod lit_sites;
 mod outlook;

@@ -12,6 +12,7 @@ use super::basis_view::BasisFunctionError;
 use super::bounces::BounceError;
 use super::colours::VertexColours;
 use super::frame::FrameSettings;
+use super::glossy_light::KeptGlossyLight;
 use super::kept::{KeptDirect, KeptLights};
 use super::lit_sites::KeptPictures;
 use super::outlook::{Outlook, SceneContents};
@@ -21,6 +22,7 @@ use crate::bake::{
     self, Bake, BakeError, BakeForecast, BakeSettings, BakeStats, CacheOutcome, RunSettings,
     Scheme, escaped_share_of_fronts, forecast, load_or_bake, load_stored,
 };
+use crate::brdf::GlossyMaterials;
 use crate::scene::{Bounces, Light, LightKind, Scene};
 use crate::surface::{Detail, Surface};
 
@@ -106,6 +108,8 @@ pub struct Renderer {
     bounced: Option<Bounced>,
     pictures: KeptPictures,
     colours: VertexColours,
+    glossy: GlossyMaterials,
+    glossy_light: KeptGlossyLight,
     warnings: Vec<String>,
     stages: Stages,
 }
@@ -136,6 +140,8 @@ impl Renderer {
             bounced: None,
             pictures: KeptPictures::default(),
             colours: VertexColours::default(),
+            glossy: GlossyMaterials::default(),
+            glossy_light: KeptGlossyLight::default(),
             warnings,
             stages,
         }
@@ -234,7 +240,8 @@ impl Renderer {
     pub(super) fn reads_bake(&self, settings: &FrameSettings) -> bool {
         let is_sky = |light: &Light| matches!(light.kind, LightKind::Environment(_));
         let has_sky = self.scene.lights.iter().any(is_sky);
-        let needs_sky = settings.component.needs_direct() && has_sky;
+        let sees_sky = settings.component.needs_direct() || settings.component.needs_glossy();
+        let needs_sky = sees_sky && has_sky;
         let needs_basis = settings.component.needs_basis();
         settings.needs_bounces() || needs_sky || needs_basis
     }
@@ -282,4 +289,6 @@ struct Bounced {
     bounces: Bounces,
     albedo: Vec<Vec3>,
     irradiance: Arc<[Vec3]>,
+    /// What the last bounce started with, in slots.
+    outgoing: Arc<[[f32; 3]]>,
 }

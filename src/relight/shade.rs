@@ -17,13 +17,15 @@ use rayon::prelude::*;
 use super::basis_view::BasisView;
 use super::component::{Component, Shaded, shown};
 use super::frame::Effort;
-use super::lit_sites::KeptPicture;
+use super::glossy_light::GlossyLight;
+use super::lit_sites::{DirectLight, KeptPicture};
 use super::paint::{Footprint, Paint};
 use super::raster::Fragment;
 use super::reach::seen_point;
 use super::sites::{Sites, members};
 use super::stages::Stages;
 use crate::bake::Progress;
+use crate::brdf::{GlossyMaterials, ViewedFrame};
 use crate::frame::Image;
 use crate::scene::{PlacedCamera, PlacedLights, Scene};
 use crate::simd::Level;
@@ -38,12 +40,16 @@ pub(crate) struct View<'a> {
     pub(crate) lights: &'a PlacedLights,
     /// Materials, maps and how they are filtered.
     pub(crate) scene: &'a Scene,
+    /// The materials' lobes.
+    pub(crate) glossy: &'a GlossyMaterials,
     /// Shadow rays a pixel to a light that is no point.
     pub(crate) light_samples: u32,
     /// Irradiance of the sky at the vertices, W/m2; empty where there is none.
     pub(crate) sky: &'a [Vec3],
     /// Indirect irradiance at the vertices, W/m2; empty where not needed.
     pub(crate) indirect: &'a [Vec3],
+    /// What arrives at glossy vertices by direction; none where not needed.
+    pub(crate) glossy_light: Option<&'a GlossyLight>,
     /// Radiosity by direct light at the vertices as the basis has it, W/m2;
     /// empty where not needed.
     pub(crate) approximated: &'a [Vec3],
@@ -61,6 +67,11 @@ impl View<'_> {
             level: self.level,
             rectangles: &self.lights.rectangles,
         }
+    }
+
+    /// Unit direction from a seen point to the eye.
+    pub(super) fn to_eye(&self, point: &SurfacePoint) -> Vec3 {
+        (self.camera.eye.as_vec3() - point.position).normalize_or(point.normal)
     }
 }
 
@@ -102,8 +113,7 @@ struct Shading<'a> {
     view: &'a View<'a>,
     paint: Paint<'a>,
     sites: &'a Sites,
-    /// Irradiance of all lights by site, W/m2; empty where it is not shown.
-    direct: &'a [Vec3],
+    direct: &'a DirectLight,
 }
 
 impl Shading<'_> {
@@ -136,9 +146,10 @@ impl Shading<'_> {
         }
     }
 
-    /// Direct irradiance at a site, W/m2.
-    fn direct(&self, site: usize) -> Vec3 {
-        self.direct.get(site).copied().unwrap_or(Vec3::ZERO)
+    /// Direct irradiance at a site, W/m2, and radiance by its lobe, W/(m2 sr).
+    fn direct(&self, site: usize) -> [Vec3; 2] {
+        let lists = [&self.direct.irradiance, &self.direct.reflected];
+        lists.map(|list| list.get(site).copied().unwrap_or(Vec3::ZERO))
     }
 
     /// A pixel of one surface, shaded at its centre.
@@ -231,15 +242,30 @@ impl Shading<'_> {
         view.lights.sky_radiance(camera.direction(x, y), spread_rad)
     }
 
-    /// Value of a fragment under direct irradiance.
+    /// Value of a fragment under direct irradiance and radiance by its lobe.
     fn shaded(
         &self,
         fragment: &Fragment,
         point: &SurfacePoint,
-        direct: Vec3,
+        [direct, reflected]: [Vec3; 2],
         [albedo, emission]: [Vec3; 2],
     ) -> (Vec3, bool) {
         let view = self.view;
+        let material = view.surface.mesh.triangles[fragment.triangle as usize].material;
+        let lobe = view.glossy.of(material);
+        let lobe = lobe.map(|it| {
+            (
+                it,
+                ViewedFrame::of(self.vertex_normal(fragment, point), view.to_eye(point)),
+            )
+        });
+        let lobe_albedo = lobe.map_or(Vec3::ZERO, |(it, frame)| it.albedo(frame.cosine));
+        let glossy = lobe.and_then(|(it, frame)| {
+            let corners = self.corners(fragment);
+            let light = view.glossy_light?.at(corners, fragment.barycentrics)?;
+            Some(clamped(it.reflected(&frame, &light)))
+        });
+        let (glossy, glossy_dark) = glossy.unwrap_or_default();
         let (indirect, dark) = clamped(self.interpolated(fragment, view.indirect));
         let (approximated, darker) = clamped(self.interpolated(fragment, view.approximated));
         let shaded = Shaded {
@@ -248,20 +274,38 @@ impl Shading<'_> {
             approximated,
             emission,
             albedo,
+            diffuse: albedo * (Vec3::ONE - lobe_albedo),
+            reflected,
+            glossy,
             normal: point.normal,
             depth: self.scene_depth(fragment),
             basis: view
                 .basis
                 .map_or(Vec3::ZERO, |b| self.basis_colour(b, fragment, point)),
         };
-        (shown(view.component, &shaded), dark || darker)
+        (
+            shown(view.component, &shaded),
+            dark || darker || glossy_dark,
+        )
+    }
+
+    /// The normal interpolated from the vertices, whose slices hold light of their own
+    /// hemispheres. It differs from the shading normal on flat faces of round bodies,
+    /// and just inside an outline, where it may look away from the eye.
+    fn vertex_normal(&self, fragment: &Fragment, point: &SurfacePoint) -> Vec3 {
+        let normals = self.view.surface.vertices.normals();
+        self.interpolated(fragment, normals)
+            .normalize_or(point.normal)
+    }
+
+    /// Vertices of the side of a triangle that is seen.
+    fn corners(&self, fragment: &Fragment) -> [u32; 3] {
+        let vertices = &self.view.surface.vertices;
+        vertices.of_triangle(fragment.triangle, fragment.front)
     }
 
     fn basis_colour(&self, basis: &BasisView, fragment: &Fragment, point: &SurfacePoint) -> Vec3 {
-        let surface = self.view.surface;
-        let corners = surface
-            .vertices
-            .of_triangle(fragment.triangle, fragment.front);
+        let corners = self.corners(fragment);
         let to_eye = self.view.camera.eye.as_vec3() - point.position;
         let facing = point.normal.dot(to_eye.normalize_or_zero());
         basis.colour(corners, fragment.barycentrics, facing)
@@ -278,12 +322,10 @@ impl Shading<'_> {
         if at_vertices.is_empty() {
             return Vec3::ZERO;
         }
-        let corners = self
-            .view
-            .surface
-            .vertices
-            .of_triangle(fragment.triangle, fragment.front);
-        let weighted = corners.into_iter().zip(fragment.barycentrics);
+        let weighted = self
+            .corners(fragment)
+            .into_iter()
+            .zip(fragment.barycentrics);
         weighted.fold(Vec3::ZERO, |sum, (vertex, weight)| {
             if vertex == NONE {
                 sum
@@ -294,8 +336,8 @@ impl Shading<'_> {
     }
 }
 
-/// Irradiance that is not negative, and whether it was below zero.
-fn clamped(irradiance: Vec3) -> (Vec3, bool) {
-    let clamped = irradiance.to_array().map(|e| if e < 0.0 { 0.0 } else { e });
-    (Vec3::from_array(clamped), clamped != irradiance.to_array())
+/// Light that is not negative, and whether it was below zero.
+fn clamped(light: Vec3) -> (Vec3, bool) {
+    let clamped = light.to_array().map(|e| if e < 0.0 { 0.0 } else { e });
+    (Vec3::from_array(clamped), clamped != light.to_array())
 }

@@ -11,11 +11,12 @@ pub(super) const BLOCK: usize = 16;
 /// Places whose lights one task adds up.
 const PLACES_A_TASK: usize = 4096;
 
-/// What one light does at every place, W/m2, with a number that no other has.
+/// What one light does at every place, with a number that no other has.
 #[derive(Debug, Clone)]
 pub(super) struct Part {
     pub(super) id: u64,
-    pub(super) irradiance: Arc<[Vec3]>,
+    /// Irradiance, W/m2, or radiance by a lobe, W/(m2 sr).
+    pub(super) values: Arc<[Vec3]>,
 }
 
 /// Sums of blocks of parts, each from zero in their order. A block whose parts are
@@ -71,7 +72,7 @@ fn added(count: usize, parts: &[Part]) -> Vec<Vec3> {
         .with_min_len(PLACES_A_TASK)
         .map(|place| {
             let parts = parts.iter();
-            parts.fold(Vec3::ZERO, |sum, part| sum + part.irradiance[place])
+            parts.fold(Vec3::ZERO, |sum, part| sum + part.values[place])
         })
         .collect()
 }
@@ -84,7 +85,7 @@ mod tests {
         let value = |place: usize| Vec3::splat(((id * 37 + place as u64 * 11) % 101) as f32 / 7.0);
         Part {
             id,
-            irradiance: (0..count).map(value).collect(),
+            values: (0..count).map(value).collect(),
         }
     }
 
@@ -114,7 +115,7 @@ mod tests {
         let parts: Vec<Part> = (0..BLOCK as u64).map(|id| part(id, 9)).collect();
         let plain = (0..9).map(|place| {
             let parts = parts.iter();
-            parts.fold(Vec3::ZERO, |sum, part| sum + part.irradiance[place])
+            parts.fold(Vec3::ZERO, |sum, part| sum + part.values[place])
         });
         let plain: Vec<Vec3> = plain.collect();
         assert_eq!(BlockSums::default().of(&parts, 9), plain);

@@ -3,8 +3,6 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
-use glam::Vec3;
-
 use super::file::Document;
 use super::file::fields::{key_error, suggestion};
 use super::files::{Disk, Files, Finder, Recorded};
@@ -14,11 +12,6 @@ use super::obj::{self, Loaded};
 use super::place::Place;
 use super::text::strict_text;
 use super::{Material, Mesh, Override, Placement, Scene, SceneError};
-
-/// What materials can ask for that frames lack so far.
-const NOT_YET: [(&str, Asks); 1] = [("gloss (Ks)", |material| material.specular != Vec3::ZERO)];
-
-type Asks = fn(&Material) -> bool;
 
 impl Scene {
     /// Loads a scene file and the OBJ and MTL files that it names, with some
@@ -82,7 +75,6 @@ impl Scene {
         override_materials(&mut loaded, &document)?;
         maps::attach(&mut loaded, &images)?;
         let mut warnings = document.warnings;
-        warnings.extend(not_rendered_yet(&loaded));
         warnings.append(&mut loaded.warnings);
         Ok(Self {
             mesh: loaded.mesh,
@@ -144,16 +136,18 @@ fn override_materials(loaded: &mut Loaded, document: &Document) -> Result<(), Sc
         if keys.emission.is_some() {
             multiply(&mut maps.emission);
         }
-        material.roughness = keys.roughness.or(material.roughness);
-        for (value, slot) in [
-            (&keys.specular, &mut material.specular),
-            (&keys.emission, &mut material.emission),
-        ] {
-            if let Some((colour, place)) = value {
-                *slot = *colour;
-                loaded.material_places[index] = place.clone();
-            }
+        if let Some(brdf) = keys.brdf {
+            let (albedo, specular, roughness) = brdf.applied(material.albedo, material.specular);
+            *material = Material {
+                albedo,
+                specular,
+                roughness,
+                ..material.clone()
+            };
         }
+        material.specular = keys.specular.unwrap_or(material.specular);
+        material.roughness = keys.roughness.or(material.roughness);
+        material.emission = keys.emission.unwrap_or(material.emission);
     }
     for (name, place) in &document.animated_materials {
         material_index(loaded, name, place)?;
@@ -182,32 +176,6 @@ fn material_index(loaded: &Loaded, name: &str, place: &Place) -> Result<usize, S
                 ),
             )
         })
-}
-
-/// One sentence for each thing that materials of the mesh ask for and that
-/// frames lack so far.
-fn not_rendered_yet(loaded: &Loaded) -> Vec<String> {
-    let mut is_used = vec![false; loaded.materials.len()];
-    for triangle in &loaded.mesh.triangles {
-        is_used[triangle.material as usize] = true;
-    }
-    let mut warnings = Vec::new();
-    for (what, asks) in NOT_YET {
-        let used = (0..is_used.len()).filter(|&index| is_used[index]);
-        let mut asking = used.filter(|&index| asks(&loaded.materials[index]));
-        if let Some(first) = asking.next() {
-            let place = loaded.material_places[first].line_only();
-            let name = &loaded.materials[first].name;
-            let more = match asking.count() {
-                0 => String::new(),
-                count => format!(" (nor of {count} more)"),
-            };
-            warnings.push(format!(
-                "{place}: {what} of material {name:?} is not rendered yet{more}"
-            ));
-        }
-    }
-    warnings
 }
 
 #[cfg(test)]

@@ -2,9 +2,11 @@
 
 use glam::Vec3;
 
+use crate::brdf::Gloss;
 use crate::texture::TextureMap;
 
-/// A diffuse material, with what later stages may need of MTL.
+/// How a surface reflects and emits: f = Kd/pi (1 - E_s) + f_s, with the GGX lobe
+/// f_s of [`Self::gloss`] and its directional albedo E_s.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Material {
     /// MTL name; empty for triangles without a material. A material with maps
@@ -19,13 +21,21 @@ pub struct Material {
     pub albedo_map: Option<TextureMap>,
     /// `map_Ke`, which multiplies the emission.
     pub emission_map: Option<TextureMap>,
-    /// Specular colour `Ks` (or `specular` of the scene file); zero where absent.
+    /// Specular colour at normal incidence, 0 to 1 per channel: `Ks`, what `Pr` and
+    /// `Pm` make of Kd, or `specular` of the scene file; zero where absent. No map
+    /// multiplies it.
     pub specular: Vec3,
-    /// Roughness 0 to 1, from `Ns`, `Pr` or the scene file.
+    /// Perceptual roughness 0 to 1, from `Pr`, `Ns` or the scene file; 1 where
+    /// absent, as of an `Ns` of 0.
     pub roughness: Option<f32>,
 }
 
 impl Material {
+    /// The glossy lobe; none where the specular colour is black.
+    pub fn gloss(&self) -> Option<Gloss> {
+        Gloss::of(self.specular, self.roughness.unwrap_or(1.0))
+    }
+
     /// The material of triangles that name none: grey, Kd 0.8.
     pub fn unnamed() -> Self {
         Self {

@@ -4,6 +4,7 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 use super::{Ray, Surface, SurfacePoint, close, offset_origin};
+use crate::brdf::{Glossy, ViewedFrame};
 use crate::maths::order::Order;
 use crate::maths::sobol::ScrambledSobol;
 use crate::scene::{Incident, LightSample, PlacedLight, PlacedRectangle, max_component};
@@ -56,7 +57,11 @@ pub(crate) struct LightPoints {
 /// is formed: a ratio of few rays is biased, four a point by 0.3 % of the Cornell
 /// box's direct light.)
 #[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Found {
+pub(crate) struct Found<'a> {
+    /// The lobe of the points, if radiance by it is asked for.
+    pub(crate) lobe: Option<SeenLobe<'a>>,
+    /// Sum of the points' radiance by the lobe, W/(m2 sr): of what arrived.
+    reflected: Vec3,
     /// Sum of the points' irradiance with nothing in the way, W/m2.
     open: Vec3,
     /// What the rays would bring, all of them and those that arrived.
@@ -70,7 +75,27 @@ pub(crate) struct Found {
     pub(crate) is_shadowed: bool,
 }
 
-impl Found {
+/// A glossy lobe at a point, and where it is seen from.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct SeenLobe<'a> {
+    pub(crate) glossy: &'a Glossy,
+    pub(crate) frame: ViewedFrame,
+}
+
+impl<'a> Found<'a> {
+    /// Nothing so far, at points with a lobe.
+    pub(crate) fn by(lobe: Option<SeenLobe<'a>>) -> Self {
+        Self {
+            lobe,
+            ..Self::default()
+        }
+    }
+
+    /// Mean radiance of the points by their lobe, W/(m2 sr).
+    pub(crate) fn reflected(&self) -> Vec3 {
+        self.reflected / (self.count as f32).at_least(1.0)
+    }
+
     /// Mean irradiance of the points, W/m2.
     pub(crate) fn irradiance(&self) -> Vec3 {
         if !self.is_lit {
@@ -201,8 +226,30 @@ impl<'a> Shadows<'a> {
         } else {
             found.is_lit = true;
             found.lit += brings;
+            if let Some(lobe) = &found.lobe {
+                found.reflected += brings * lobe.glossy.value(&lobe.frame, sample.direction);
+            }
         }
     }
+}
+
+/// Radiance by a lobe (W/(m2 sr)) of what arrives at a point that nothing hides the
+/// light from.
+pub(crate) fn reflected_in_the_open(
+    incident: &Incident,
+    point: &SurfacePoint,
+    lobe: &SeenLobe,
+    points: LightPoints,
+) -> Vec3 {
+    let reflected = |sample: LightSample| {
+        sample.irradiance_on(point.normal) * lobe.glossy.value(&lobe.frame, sample.direction)
+    };
+    if incident.is_sharp() {
+        return incident.sample([0.0; 2]).map_or(Vec3::ZERO, reflected);
+    }
+    let indices = points.first..points.first + points.count;
+    let samples = indices.filter_map(|index| incident.sample(points.set.point2(index)));
+    samples.fold(Vec3::ZERO, |sum, sample| sum + reflected(sample)) / points.count as f32
 }
 
 /// Share per channel; none of nothing.

@@ -39,6 +39,8 @@ pub(crate) struct Surface {
     pub(crate) patches: Vec<u32>,
     pub(crate) edges: Vec<MeshEdge>,
     pub(crate) rays: RayTree,
+    /// Whether each material has a glossy lobe.
+    pub(crate) glossy_materials: Vec<bool>,
     /// Arrivals of the transfer's rays, where a study has traced them: rows are
     /// then sampled from these, without a sky.
     pub(crate) kept_arrivals: Option<KeptArrivals>,
@@ -86,10 +88,21 @@ impl Surface {
             patches: joints.patches,
             edges: joints.edges,
             rays,
+            glossy_materials: scene
+                .materials
+                .iter()
+                .map(|m| m.gloss().is_some())
+                .collect(),
             kept_arrivals: None,
             max_edge: f64::from(max_edge) / placement.scale,
             warnings,
         }
+    }
+
+    /// Whether a vertex's material has a glossy lobe.
+    pub(crate) fn is_glossy(&self, vertex: u32) -> bool {
+        let material = self.vertices.materials()[vertex as usize];
+        self.glossy_materials[material as usize]
     }
 
     /// Marks the front vertices whose back can be seen or lit.

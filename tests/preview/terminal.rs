@@ -213,11 +213,22 @@ impl Terminal {
         while !holds(self) {
             assert!(
                 start.elapsed() < PATIENCE,
-                "waited in vain for {words}; seen is:\n{}",
-                self.contents()
+                "waited in vain for {words}; seen is:\n{}\nwritten at last was:\n{}",
+                self.contents(),
+                self.last_words()
             );
             std::thread::sleep(Duration::from_millis(5));
         }
+    }
+
+    /// The end of what was written, with what has scrolled out of the window: a
+    /// panic's message among it.
+    fn last_words(&self) -> String {
+        /// Bytes of it.
+        const LAST: usize = 4_000;
+        let bytes = self.bytes();
+        let last = &bytes[bytes.len().saturating_sub(LAST)..];
+        last.escape_ascii().to_string().replace("\\n", "\n")
     }
 
     /// Waits for the program's end.

@@ -10,6 +10,7 @@ mod cells;
 mod cornell;
 mod courtyard;
 mod extrusion;
+mod glossy;
 pub(crate) mod model;
 pub(crate) mod obj;
 pub(crate) mod pictures;
@@ -35,5 +36,6 @@ pub(crate) fn all() -> Vec<Model> {
         sphere::model(),
         sheet::model(),
         courtyard::model(),
+        glossy::model(),
     ]
 }

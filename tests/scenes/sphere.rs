@@ -12,11 +12,7 @@ const SUBDIVISIONS: usize = 4;
 
 /// The sphere of radius 1 around the origin, fronts inward.
 pub(crate) fn model() -> Model {
-    let mut positions = icosahedron_corners();
-    let mut triangles = ICOSAHEDRON.to_vec();
-    for _ in 0..SUBDIVISIONS {
-        triangles = subdivide(&mut positions, &triangles);
-    }
+    let (positions, triangles) = icosphere(SUBDIVISIONS);
     let face = |[a, b, c]: [usize; 3]| Face {
         material: "grey",
         corners: vec![a, c, b],
@@ -35,6 +31,17 @@ pub(crate) fn model() -> Model {
         materials,
         vec![sphere],
     )
+}
+
+/// Positions and triangles, fronts outward, on the unit sphere: an icosahedron
+/// whose triangles are cut into four so many times.
+pub(crate) fn icosphere(subdivisions: usize) -> (Vec<DVec3>, Vec<[usize; 3]>) {
+    let mut positions = icosahedron_corners();
+    let mut triangles = ICOSAHEDRON.to_vec();
+    for _ in 0..subdivisions {
+        triangles = subdivide(&mut positions, &triangles);
+    }
+    (positions, triangles)
 }
 
 /// Corners on the unit sphere: three golden rectangles.

@@ -20,14 +20,14 @@ const SEED: u32 = 0x10f4;
 
 /// A matrix, row-major.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub(super) struct Matrix {
-    pub(super) rows: usize,
-    pub(super) columns: usize,
-    pub(super) values: Vec<f32>,
+pub(in crate::bake) struct Matrix {
+    pub(in crate::bake) rows: usize,
+    pub(in crate::bake) columns: usize,
+    pub(in crate::bake) values: Vec<f32>,
 }
 
 impl Matrix {
-    pub(super) fn zero(rows: usize, columns: usize) -> Self {
+    pub(in crate::bake) fn zero(rows: usize, columns: usize) -> Self {
         Self {
             rows,
             columns,
@@ -35,11 +35,11 @@ impl Matrix {
         }
     }
 
-    pub(super) fn row(&self, row: usize) -> &[f32] {
+    pub(in crate::bake) fn row(&self, row: usize) -> &[f32] {
         &self.values[row * self.columns..(row + 1) * self.columns]
     }
 
-    pub(super) fn transposed(&self) -> Self {
+    pub(in crate::bake) fn transposed(&self) -> Self {
         let mut transposed = Self::zero(self.columns, self.rows);
         for (row, values) in self.values.chunks_exact(self.columns.max(1)).enumerate() {
             for (column, &value) in values.iter().enumerate() {
@@ -85,21 +85,55 @@ impl Matrix {
 
 /// Y ~ `left` x `right`.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub(super) struct Factors {
+pub(in crate::bake) struct Factors {
     /// Rows x rank, orthonormal columns.
-    pub(super) left: Matrix,
+    pub(in crate::bake) left: Matrix,
     /// Columns of Y x rank: the transpose of U^T Y.
-    pub(super) right: Matrix,
+    pub(in crate::bake) right: Matrix,
     /// What noise alone makes of `right`.
-    pub(super) noise_of_right: Matrix,
+    pub(in crate::bake) noise_of_right: Matrix,
     /// What each component is worth: squared singular values, and once they are
     /// smoothed what is left of them without noise.
-    pub(super) energies: Vec<f64>,
+    pub(in crate::bake) energies: Vec<f64>,
+}
+
+impl Factors {
+    /// Components that bring so much energy for each of their bytes.
+    pub(in crate::bake) fn rank_worth(&self, energy_a_byte: f64) -> usize {
+        let bytes = self.left.rows as f64;
+        let brings = |e: &&f64| **e > 0.0 && **e / bytes >= energy_a_byte;
+        self.energies.iter().take_while(brings).count()
+    }
+}
+
+/// Energy for each byte of the last component that `bytes` of U pay for, over
+/// several partitions.
+pub(in crate::bake) fn last_energy<'a>(
+    parts: impl Iterator<Item = &'a Factors>,
+    bytes: usize,
+) -> f64 {
+    let mut all: Vec<(f64, usize)> = parts
+        .flat_map(|factors| {
+            let bytes = factors.left.rows;
+            let energies = factors.energies.iter();
+            energies.map(move |&e| (e / bytes as f64, bytes))
+        })
+        .filter(|&(energy, _)| energy > 0.0)
+        .collect();
+    all.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let mut spent = 0;
+    for &(energy, cost) in &all {
+        spent += cost;
+        if spent >= bytes {
+            return energy;
+        }
+    }
+    0.0
 }
 
 /// The leading `rank` components of Y, and what `noise`, a matrix of the noise in
 /// Y alone, makes of their U: D V / s for U = Y V / s.
-pub(super) fn factorise(
+pub(in crate::bake) fn factorise(
     level: Level,
     y: &Matrix,
     noise: &Matrix,
@@ -127,7 +161,7 @@ pub(super) fn factorise(
 
 /// The leading `rank` components of Y, fewer where it has not so many rows, with
 /// their squared singular values.
-fn leading(level: Level, y: &Matrix, rank: usize) -> Factors {
+pub(in crate::bake) fn leading(level: Level, y: &Matrix, rank: usize) -> Factors {
     if y.columns == 0 || y.rows == 0 || rank == 0 {
         return Factors::default();
     }

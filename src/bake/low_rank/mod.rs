@@ -19,11 +19,13 @@ mod quantise;
 mod sampled;
 mod smooth;
 
+pub(super) use factor::{Factors, Matrix, last_energy, leading};
 pub(super) use part::Budget;
 #[cfg(test)]
 pub(super) use part::{NEAR_SHARE, NOISE_COUNTS};
 #[cfg(test)]
 pub(super) use quantise::FUNCTION_THRESHOLD;
+pub(super) use quantise::{Components, components, in_two_bands, responses, steps_of};
 pub(super) use sampled::{Task, pilot_rows, sampled_rows};
 
 use rayon::prelude::*;

@@ -10,6 +10,7 @@ use crate::bake::basis::Basis;
 use crate::bake::compress::{EMPTY_REMAINDER, quantise_near};
 use crate::bake::graph::VertexGraph;
 use crate::bake::operator::{SkyRows, vertices_of};
+use crate::bake::projection::project;
 use crate::bake::rows::GroupRows;
 use crate::bake::stats::GroupStats;
 use crate::bake::transfer::{self, GROUP, Sampling, sample_group};
@@ -217,8 +218,9 @@ impl Job<'_> {
         }
         let slots = split.remainder.iter().map(|&(slot, _)| slot);
         let noise: Vec<_> = slots.zip(split.remainder_noise).collect();
-        let (parts, coefficients) = self.project(&split.remainder, &mut scratch.coefficients);
-        let (_, noise) = self.project(&noise, &mut scratch.coefficients);
+        let (parts, coefficients) =
+            project(self.basis, &split.remainder, &mut scratch.coefficients);
+        let (_, noise) = project(self.basis, &noise, &mut scratch.coefficients);
         FoundGroup {
             near: NearGroup {
                 rows,
@@ -231,34 +233,6 @@ impl Job<'_> {
             sky: self.sky.compress(&transfer, &mut scratch.sky),
             stats: GroupStats::of(&transfer, group.1 as usize),
         }
-    }
-
-    /// c_ik = sum_j R_ij S_jk for all functions of the parts that send.
-    fn project(
-        &self,
-        remainder: &[(u32, [f32; GROUP])],
-        scratch: &mut [[f32; GROUP]],
-    ) -> (Vec<u32>, Vec<[f32; GROUP]>) {
-        let mut parts: Vec<u32> = Vec::new();
-        for (slot, weights) in remainder {
-            let (part, functions) = self.basis.row(*slot);
-            if parts.last() != Some(&part) {
-                parts.push(part);
-            }
-            let range = self.basis.function_range(part);
-            for (coefficient, &s) in scratch[range].iter_mut().zip(functions) {
-                for lane in 0..GROUP {
-                    coefficient[lane] += weights[lane] * s;
-                }
-            }
-        }
-        let mut coefficients = Vec::new();
-        for &part in &parts {
-            let own = &mut scratch[self.basis.function_range(part)];
-            coefficients.extend_from_slice(own);
-            own.fill([0.0; GROUP]);
-        }
-        (parts, coefficients)
     }
 
     fn roots_of_area(&self, slots: std::ops::Range<usize>) -> Vec<f32> {

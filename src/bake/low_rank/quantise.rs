@@ -21,18 +21,18 @@ const RESPONSE_RANGE: std::ops::RangeInclusive<f64> = 0.5..=2.0;
 const NO_RESPONSE: f64 = 1e-3;
 
 /// A partition's components: their V, and what constant light makes of them.
-pub(super) struct Components {
-    pub(super) groups: Vec<GroupRows>,
+pub(in crate::bake) struct Components {
+    pub(in crate::bake) groups: Vec<GroupRows>,
     /// Components of each group, eight but in the last.
-    pub(super) counts: Vec<u32>,
+    pub(in crate::bake) counts: Vec<u32>,
     /// y of constant light of 1.
-    constant: Vec<f64>,
+    pub(in crate::bake) constant: Vec<f64>,
 }
 
 /// Quantises V of the first `rank` components: of every group of eight, the
 /// functions that bring enough. `functions` names the columns, `constant` holds
 /// d_k / sigma_k for every function of the basis.
-pub(super) fn components(
+pub(in crate::bake) fn components(
     factors: &Factors,
     functions: &[u32],
     rank: usize,
@@ -48,22 +48,26 @@ pub(super) fn components(
         let count = GROUP.min(rank - first);
         let threshold = energy_a_byte * FUNCTION_BYTES * FUNCTION_THRESHOLD;
         let group = component_group(&factors.right, functions, first..first + count, threshold);
-        let mut responses = [0.0_f64; GROUP];
-        for (index, (&k, values)) in group.functions.iter().zip(&group.coefficients).enumerate() {
-            let is_coarse = index < group.coarse as usize;
-            let band = if is_coarse { 1.0 } else { f64::from(FINE_BAND) };
-            for lane in 0..GROUP {
-                responses[lane] += f64::from(values[lane]) / band * constant[k as usize];
-            }
-        }
-        for lane in 0..count {
-            let step = f64::from(group.basis_steps[lane]);
-            out.constant.push(responses[lane] * step);
-        }
+        out.constant.extend(responses(&group, count, constant));
         out.groups.push(group);
         out.counts.push(count as u32);
     }
     out
+}
+
+/// What the components of a group make of light whose coefficients, in the units
+/// of V, are these.
+pub(in crate::bake) fn responses(group: &GroupRows, count: usize, light: &[f64]) -> Vec<f64> {
+    let mut responses = [0.0_f64; GROUP];
+    for (index, (&k, values)) in group.functions.iter().zip(&group.coefficients).enumerate() {
+        let is_coarse = index < group.coarse as usize;
+        let band = if is_coarse { 1.0 } else { f64::from(FINE_BAND) };
+        for lane in 0..GROUP {
+            responses[lane] += f64::from(values[lane]) / band * light[k as usize];
+        }
+    }
+    let lanes = responses.iter().zip(group.basis_steps).take(count);
+    lanes.map(|(sum, step)| sum * f64::from(step)).collect()
 }
 
 fn component_group(
@@ -90,22 +94,23 @@ fn component_group(
         .map(|(column, &k)| (k, row(column)))
         .filter(|(_, lanes)| energy(lanes) >= threshold && energy(lanes) > 0.0)
         .collect();
-    let mut rows = GroupRows::default();
-    for (_, lanes) in &kept {
-        for lane in 0..GROUP {
-            let size = lanes[lane].abs() / 127.0;
-            if size > rows.basis_steps[lane] {
-                rows.basis_steps[lane] = size;
-            }
-        }
-    }
-    let steps = rows.basis_steps;
+    in_two_bands(&kept)
+}
+
+/// Lists entries (their column, a value a lane) in eight bits, those that a
+/// sixteenth of the steps suffices for behind the others.
+pub(in crate::bake) fn in_two_bands(entries: &[(u32, [f32; GROUP])]) -> GroupRows {
+    let steps = steps_of(entries.iter().map(|(_, lanes)| lanes));
+    let mut rows = GroupRows {
+        basis_steps: steps,
+        ..GroupRows::default()
+    };
     let is_fine = |lanes: &[f32; GROUP]| {
         (0..GROUP).all(|lane| lanes[lane].abs() * FINE_BAND <= 127.0 * steps[lane])
     };
     for (is_coarse, band) in [(true, 1.0), (false, FINE_BAND)] {
-        for (k, lanes) in kept.iter().filter(|(_, l)| is_fine(l) != is_coarse) {
-            rows.functions.push(*k);
+        for (column, lanes) in entries.iter().filter(|(_, l)| is_fine(l) != is_coarse) {
+            rows.functions.push(*column);
             rows.coefficients.push(quantise(lanes, &steps, band));
         }
         if is_coarse {
@@ -113,6 +118,22 @@ fn component_group(
         }
     }
     rows
+}
+
+/// A 127th of the largest magnitude of each lane.
+pub(in crate::bake) fn steps_of<'a>(
+    entries: impl Iterator<Item = &'a [f32; GROUP]>,
+) -> [f32; GROUP] {
+    let mut steps = [0.0_f32; GROUP];
+    for values in entries {
+        for lane in 0..GROUP {
+            let size = values[lane].abs() / 127.0;
+            if size > steps[lane] {
+                steps[lane] = size;
+            }
+        }
+    }
+    steps
 }
 
 /// U of a group of receivers: rows `first` on of the left factor, each divided
@@ -136,15 +157,7 @@ pub(super) fn spread(
             lanes[lane] = value;
         }
     }
-    let mut steps = [0.0_f32; GROUP];
-    for values in &lanes {
-        for lane in 0..GROUP {
-            let size = values[lane].abs() / 127.0;
-            if size > steps[lane] {
-                steps[lane] = size;
-            }
-        }
-    }
+    let steps = steps_of(lanes.iter());
     let mut responses = [0.0_f64; GROUP];
     for (values, constant) in lanes.iter().zip(&components.constant) {
         let quantised = quantise(values, &steps, 1.0);

@@ -5,6 +5,7 @@
 use rayon::prelude::*;
 
 use super::LowRank;
+use super::factor::last_energy;
 use super::near::{self, NearRule};
 use super::part::{Budget, FoundPart, Job};
 use super::quantise::{components, spread};
@@ -127,7 +128,8 @@ fn of_parts(
 
     let wanted = (0..basis.part_count() as u32).filter(|&part| is_wanted(part));
     let receivers: usize = wanted.map(|part| basis.slot_range(part).len()).sum();
-    let energy_a_byte = last_energy(&parts, job.budget.rank * receivers);
+    let factors = parts.iter().map(|part| &part.factors);
+    let energy_a_byte = last_energy(factors, job.budget.rank * receivers);
     let stats: Vec<GroupStats> = parts.iter().flat_map(|p| &p.stats).copied().collect();
     let sky_rows: Vec<GroupRows> = parts.iter().flat_map(|p| p.sky.clone()).collect();
     let operator = job.quantise(parts, groups, energy_a_byte, run);
@@ -162,7 +164,7 @@ impl Job<'_> {
         let quantised: Vec<_> = parts
             .into_par_iter()
             .map(|part| {
-                let rank = rank_of(&part, energy_a_byte);
+                let rank = part.factors.rank_worth(energy_a_byte);
                 let found = components(
                     &part.factors,
                     &part.functions,
@@ -230,33 +232,4 @@ impl Job<'_> {
 
 fn first_vertex(basis: &Basis, part: u32) -> u32 {
     basis.vertex_of_slot()[basis.slot_range(part).start]
-}
-
-/// Energy for each byte of the last component that `bytes` of U pay for.
-fn last_energy(parts: &[FoundPart], bytes: usize) -> f64 {
-    let mut all: Vec<(f64, usize)> = parts
-        .iter()
-        .flat_map(|part| {
-            let bytes = part.factors.left.rows;
-            let energies = part.factors.energies.iter();
-            energies.map(move |&e| (e / bytes as f64, bytes))
-        })
-        .filter(|&(energy, _)| energy > 0.0)
-        .collect();
-    all.sort_by(|a, b| b.0.total_cmp(&a.0));
-    let mut spent = 0;
-    for &(energy, cost) in &all {
-        spent += cost;
-        if spent >= bytes {
-            return energy;
-        }
-    }
-    0.0
-}
-
-/// Components of a partition that bring as much.
-fn rank_of(part: &FoundPart, energy_a_byte: f64) -> usize {
-    let bytes = part.factors.left.rows as f64;
-    let brings = |e: &&f64| **e > 0.0 && **e / bytes >= energy_a_byte;
-    part.factors.energies.iter().take_while(brings).count()
 }

@@ -1,11 +1,13 @@
 //! Tables and plots of what was measured.
 
 mod frame_errors;
+mod glossy;
 mod methods;
 mod sweeps;
 mod vertices;
 
 pub(super) use frame_errors::{image_errors, image_flip, image_times, path_errors};
+pub(super) use glossy::glossy_errors;
 pub(super) use methods::knob;
 pub(super) use sweeps::{at_equal_bytes, equal_bytes, ratio, sweep_plots, sweep_table};
 pub(super) use vertices::{errors_by_kind, extremes, parts, paths, vertex_errors};

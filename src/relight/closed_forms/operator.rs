@@ -233,7 +233,8 @@ fn albedo_one_in_a_closed_room_has_no_limit() {
     assert!(all.is_err(), "albedo 1 converged");
     let three = transport
         .solve(&source, &albedo, Bounces::Count(3))
-        .unwrap();
+        .unwrap()
+        .irradiance;
     let found = Deviation::of(CUBE.fronts().map(|v| (1.0, f64::from(three[v].y), 3.0)));
     at_most("three bounces at albedo 1", found.worst, LINEAR);
 }

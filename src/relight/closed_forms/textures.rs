@@ -4,6 +4,7 @@
 use glam::Vec3;
 
 use super::{Deviation, at_most, frame_of, largest};
+use crate::brdf::GlossyMaterials;
 use crate::maths::sobol::ScrambledSobol;
 use crate::relight::Component;
 use crate::relight::colours::VertexColours;
@@ -86,7 +87,7 @@ fn at_vertices(scene: &Scene) -> (Surface, Vec<Vec3>) {
     let surface = Surface::fronts(scene, &Detail::of_keys(&scene.bake));
     let mut colours = VertexColours::default();
     colours.update(scene, &surface);
-    let albedo = colours.albedo(scene, &surface);
+    let albedo = colours.albedo(scene, &GlossyMaterials::default(), &surface);
     (surface, albedo)
 }
 

@@ -10,10 +10,11 @@ use crate::relight::basis_view::BasisView;
 use crate::relight::bounces::{BounceError, Transport};
 use crate::relight::component::Component;
 use crate::relight::frame::{Frame, FrameSettings};
+use crate::relight::glossy_light::GlossyLight;
 use crate::relight::kept::OnVertices;
 use crate::relight::shade::{View, draw};
 use crate::relight::stages::Stages;
-use crate::scene::{Bounces, PlacedLights, RenderKeys};
+use crate::scene::{Bounces, Material, PlacedLights, RenderKeys};
 
 impl Renderer {
     /// Draws a frame; bakes first where the frame needs it.
@@ -46,6 +47,8 @@ impl Renderer {
         let lights = stages.time("lights", || {
             self.placed.update(&self.scene, &self.surface.placement)
         });
+        let materials = self.scene.materials.iter();
+        self.glossy.update(materials.map(Material::gloss));
         let at_vertices = self.light_at_vertices(settings, &lights, run, &mut stages)?;
         let view = View {
             surface: &self.surface,
@@ -53,11 +56,13 @@ impl Renderer {
             camera: settings.camera.place(&self.surface.placement),
             lights: &lights,
             scene: &self.scene,
+            glossy: &self.glossy,
             light_samples: settings
                 .light_samples
                 .clamp(1, RenderKeys::MOST_LIGHT_SAMPLES),
             sky: &at_vertices.sky,
             indirect: &at_vertices.indirect,
+            glossy_light: at_vertices.glossy.as_deref(),
             approximated: &at_vertices.approximated,
             basis: at_vertices.basis.as_ref(),
             component: settings.component,
@@ -117,32 +122,45 @@ impl Renderer {
                 self.transport(run).projected(&source)
             });
         }
+        let mut outgoing = None;
         if settings.needs_bounces() {
-            found.indirect = stages.time("bounces", || self.bounce(settings.bounces, run))?;
+            let bounced = stages.time("bounces", || self.bounce(settings.bounces, run))?;
+            found.indirect = Arc::clone(&bounced.irradiance);
+            outgoing = Some(Arc::clone(&bounced.outgoing));
+        }
+        if settings.component.needs_glossy()
+            && let Some(baked) = &self.baked
+            && baked.bake.slices().is_some()
+        {
+            let slots = baked.bake.basis().slot_count();
+            let outgoing = outgoing.unwrap_or_else(|| vec![[0.0; 3]; slots].into());
+            let kept = &mut self.glossy_light;
+            found.glossy = Some(stages.time("glossy light", || {
+                kept.of(&baked.bake, run.level, &outgoing, &lights.skies)
+            }));
         }
         Ok(found)
     }
 
-    /// Indirect irradiance at the vertices from the kept direct light; that of the
-    /// last frame if nothing that it depends on has changed.
-    fn bounce(&mut self, bounces: Bounces, run: &RunSettings) -> Result<Arc<[Vec3]>, BounceError> {
+    /// Bounced light at the vertices from the kept direct light; that of the last
+    /// frame if nothing that it depends on has changed.
+    fn bounce(&mut self, bounces: Bounces, run: &RunSettings) -> Result<&Bounced, BounceError> {
         let albedo = self.vertex_albedo();
         let (source, version) = self.reflected_direct(&albedo);
-        if let Some(last) = &self.bounced
-            && last.of_direct == version
-            && last.bounces == bounces
-            && last.albedo == albedo
-        {
-            return Ok(last.irradiance.clone());
-        }
-        let irradiance: Arc<[Vec3]> = self.transport(run).solve(&source, &albedo, bounces)?.into();
-        self.bounced = Some(Bounced {
-            of_direct: version,
-            bounces,
-            albedo,
-            irradiance: irradiance.clone(),
+        let is_kept = self.bounced.as_ref().is_some_and(|last| {
+            last.of_direct == version && last.bounces == bounces && last.albedo == albedo
         });
-        Ok(irradiance)
+        if !is_kept {
+            let solved = self.transport(run).solve(&source, &albedo, bounces)?;
+            self.bounced = Some(Bounced {
+                of_direct: version,
+                bounces,
+                albedo,
+                irradiance: solved.irradiance.into(),
+                outgoing: solved.outgoing.into(),
+            });
+        }
+        Ok(self.bounced.as_ref().expect("it was made above"))
     }
 
     fn transport(&self, run: &RunSettings) -> Transport<'_> {
@@ -154,7 +172,8 @@ impl Renderer {
     }
 
     fn vertex_albedo(&self) -> Vec<Vec3> {
-        self.colours.albedo(&self.scene, &self.surface)
+        self.colours
+            .albedo(&self.scene, &self.glossy, &self.surface)
     }
 
     /// Radiosity of the vertices by the kept direct light, W/m2, and the number of
@@ -171,6 +190,7 @@ impl Renderer {
 struct AtVertices {
     sky: Vec<Vec3>,
     indirect: Arc<[Vec3]>,
+    glossy: Option<Arc<GlossyLight>>,
     approximated: Vec<Vec3>,
     basis: Option<BasisView>,
     computed_lights: usize,

@@ -8,6 +8,7 @@ use glam::{DVec3, Vec3};
 
 use super::fields::{Fields, Item, LARGEST, key_error, unit};
 use super::tree::{Node, Value};
+use crate::brdf::{NAMED_BRDFS, NamedBrdf};
 use crate::scene::place::Place;
 use crate::scene::{
     BakeKeys, Bounces, Camera, GoldenKeys, Override, PixelLimit, RenderKeys, SceneError, Tone,
@@ -47,7 +48,14 @@ const GOLDEN: [&str; 5] = [
     "mask",
     "set",
 ];
-const MATERIAL: [&str; 5] = ["name", "albedo", "specular", "roughness", "emission"];
+const MATERIAL: [&str; 6] = [
+    "name",
+    "albedo",
+    "brdf",
+    "specular",
+    "roughness",
+    "emission",
+];
 const TONES: [(&str, Tone); 2] = [("srgb", Tone::Srgb), ("filmic", Tone::Filmic)];
 
 /// An entry of `[[material]]`: what it changes, and where it says so.
@@ -56,9 +64,11 @@ pub(crate) struct MaterialKeys {
     pub(crate) name: String,
     pub(crate) name_place: Place,
     pub(crate) albedo: Option<Vec3>,
-    pub(crate) specular: Option<(Vec3, Place)>,
+    /// Sets albedo, specular colour and roughness; the other keys come after it.
+    pub(crate) brdf: Option<NamedBrdf>,
+    pub(crate) specular: Option<Vec3>,
     pub(crate) roughness: Option<f32>,
-    pub(crate) emission: Option<(Vec3, Place)>,
+    pub(crate) emission: Option<Vec3>,
 }
 
 /// `[camera]`.
@@ -227,14 +237,17 @@ pub(crate) fn material(mut fields: Fields) -> Result<MaterialKeys, SceneError> {
     fields.allow(&MATERIAL)?;
     let name = fields.require("name", "the name that MTL gives the material")?;
     fields.rename(format!("material {:?}", name.string()?));
-    let mut with_place = |key, read: fn(&Item) -> Result<Vec3, SceneError>| {
-        let item = fields.take(key);
-        item.map(|item| Ok((read(&item)?, item.place().clone())))
-            .transpose()
+    let mut colour = |key, read: fn(&Item) -> Result<Vec3, SceneError>| {
+        fields.take(key).map(|item| read(&item)).transpose()
     };
-    let albedo = with_place("albedo", Item::reflectance)?;
-    let specular = with_place("specular", Item::reflectance)?;
-    let emission = with_place("emission", Item::light)?;
+    let albedo = colour("albedo", Item::reflectance)?;
+    let specular = colour("specular", Item::reflectance)?;
+    let emission = colour("emission", Item::light)?;
+    let brdfs = NAMED_BRDFS.map(|brdf| (brdf.name, brdf));
+    let brdf = fields
+        .take("brdf")
+        .map(|item| item.choice(&brdfs))
+        .transpose()?;
     let roughness = fields
         .take("roughness")
         .map(|item| item.number(0.0..=1.0, "from 0 to 1"))
@@ -242,7 +255,8 @@ pub(crate) fn material(mut fields: Fields) -> Result<MaterialKeys, SceneError> {
     Ok(MaterialKeys {
         name: name.string()?.to_owned(),
         name_place: name.place().clone(),
-        albedo: albedo.map(|(albedo, _)| albedo),
+        albedo,
+        brdf,
         specular,
         roughness: roughness.map(|roughness| roughness as f32),
         emission,

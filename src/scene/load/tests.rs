@@ -97,10 +97,25 @@ fn materials_are_overridden_by_name() {
     let scene = load(HEAD, &["material.floor.emission=[1, 2, 3]"]).unwrap();
     assert_eq!(scene.materials[0].emission, Vec3::new(1.0, 2.0, 3.0));
     let scene = load(HEAD, &["material.floor.specular=[1, 1, 1]"]).unwrap();
-    assert_eq!(
-        scene.warnings[0],
-        "--set material.floor.specular: gloss (Ks) of material \"floor\" is not rendered yet"
-    );
+    let gloss = scene.materials[0].gloss().unwrap();
+    assert_eq!((gloss.specular, gloss.roughness), (Vec3::ONE, 1.0));
+    assert!(scene.warnings.is_empty(), "{:?}", scene.warnings);
+}
+
+#[test]
+fn kinds_of_surfaces_are_set_by_name() {
+    let named = |brdf: &str| {
+        format!(
+            "{HEAD}[[material]]\nname = \"wall\"\nalbedo = [0.5, 0.2, 0.1]\nbrdf = \"{brdf}\"\n"
+        )
+    };
+    let metal = load(&named("brushed metal"), &[]).unwrap();
+    assert_eq!(metal.materials[1].albedo, Vec3::ZERO);
+    assert_eq!(metal.materials[1].specular, Vec3::new(0.5, 0.2, 0.1));
+    let finer = load(&named("plastic"), &["material.wall.roughness=0.1"]).unwrap();
+    assert_eq!(finer.materials[1].gloss().unwrap().roughness, 0.1);
+    let message = error(&named("brused metal"), &[]);
+    assert!(message.contains("brushed metal"), "{message}");
 }
 
 #[test]

@@ -11,6 +11,7 @@ use glam::{DVec3, Vec3};
 
 use super::lines::{Statement, normalized, number, statements};
 use super::texture_statement;
+use crate::brdf::{DIELECTRIC, roughness_of_exponent};
 use crate::scene::defects::{Defect, Defects};
 use crate::scene::file::fields::LARGEST;
 use crate::scene::file::shortened;
@@ -266,24 +267,66 @@ fn converted(material: &tobj::Material, note: &Note) -> (Material, MaterialMaps)
             map.stands_alone = colour.is_none();
         }
     }
-    let specular = material.specular.map_or(Vec3::ZERO, rgb);
+    let gloss = MtlGloss {
+        ks: material.specular.map(rgb),
+        ns: material.shininess,
+        pr: parameter("Pr"),
+        pm: parameter("Pm"),
+    };
+    let stands_alone = maps.albedo.as_ref().is_some_and(|map| map.stands_alone);
+    let base = albedo.unwrap_or(match stands_alone {
+        true => Vec3::ONE,
+        false => Material::unnamed().albedo,
+    });
+    let diffuse_share = 1.0 - gloss.metalness();
+    if diffuse_share < 1.0 {
+        // What the map is multiplied by is said here.
+        maps.albedo
+            .iter_mut()
+            .for_each(|map| map.stands_alone = false);
+        albedo = Some(base * diffuse_share);
+    }
     let material = Material {
         name: material.name.clone(),
         albedo: albedo.unwrap_or(Material::unnamed().albedo),
         emission: emission.unwrap_or(Vec3::ZERO),
         albedo_map: None,
         emission_map: None,
-        specular,
-        roughness: parameter("Pr")
-            .or_else(|| material.shininess.map(roughness_from_exponent))
-            .map(|roughness| roughness as f32),
+        specular: gloss.specular(base),
+        roughness: gloss.roughness(),
     };
     (material, maps)
 }
 
-/// Beckmann roughness of a Phong exponent (Walter et al. 2007, "Microfacet
-/// Models for Refraction through Rough Surfaces", section 5.2): the exponent
-/// is 2 / roughness^2 - 2.
-fn roughness_from_exponent(exponent: f64) -> f64 {
-    (2.0 / (exponent + 2.0)).sqrt()
+/// What MTL says of a lobe: `Pr` and `Pm` (roughness and metalness, as glTF has
+/// them) win over `Ks` and `Ns`.
+struct MtlGloss {
+    ks: Option<Vec3>,
+    ns: Option<f64>,
+    pr: Option<f64>,
+    pm: Option<f64>,
+}
+
+impl MtlGloss {
+    fn metalness(&self) -> f32 {
+        self.pm.unwrap_or(0.0) as f32
+    }
+
+    /// Specular colour of a material whose colour is `base`. `Pr` alone leaves
+    /// `Ks` what it is.
+    fn specular(&self, base: Vec3) -> Vec3 {
+        let dielectric = Vec3::splat(DIELECTRIC);
+        match (self.pm, self.ks) {
+            (Some(metalness), _) => dielectric.lerp(base, metalness as f32),
+            (None, Some(ks)) => ks,
+            (None, None) if self.pr.is_some() => dielectric,
+            (None, None) => Vec3::ZERO,
+        }
+    }
+
+    fn roughness(&self) -> Option<f32> {
+        let of_exponent = || self.ns.map(roughness_of_exponent);
+        let roughness = self.pr.or_else(of_exponent);
+        roughness.map(|roughness| roughness as f32)
+    }
 }

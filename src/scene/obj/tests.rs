@@ -231,6 +231,35 @@ fn a_sheet_with_two_sides_stays_flat_when_smooth() {
 }
 
 #[test]
+fn metalness_wins_over_the_specular_colour() {
+    let loaded = materials(
+        "newmtl metal\nKd 0.8 0.4 0.2\nKs 0.5 0.5 0.5\nNs 250\nPr 0.3\nPm 1\n\
+         newmtl half\nKd 0.8 0.4 0.2\nPm 0.5\nnewmtl mapped\nmap_Kd a.png\nPm 0.75\n\
+         newmtl plastic\nKd 0.8 0.4 0.2\nKs 0.1 0.1 0.1\nPr 0.2\n",
+    );
+    let [metal, half, mapped, plastic] = &loaded.materials[..4] else {
+        panic!("four materials")
+    };
+    assert_eq!(
+        (metal.albedo, metal.specular),
+        (Vec3::ZERO, Vec3::new(0.8, 0.4, 0.2))
+    );
+    assert_eq!(metal.roughness, Some(0.3));
+    assert_eq!(half.albedo, Vec3::new(0.4, 0.2, 0.1));
+    assert!(
+        (half.specular - Vec3::new(0.42, 0.22, 0.12))
+            .abs()
+            .max_element()
+            < 1e-6
+    );
+    assert_eq!(mapped.albedo, Vec3::splat(0.25), "the map counts as 1 1 1");
+    assert_eq!(
+        (plastic.specular, plastic.roughness),
+        (Vec3::splat(0.1), Some(0.2))
+    );
+}
+
+#[test]
 fn material_values_have_defaults_and_limits() {
     let loaded = materials(
         "Kd 1 1 1\nnewmtl plain\nnewmtl mapped\nKd 0 0 0\nmap_Kd -o 0.1 a.png\nnewmtl only map\n\
@@ -260,8 +289,10 @@ fn material_values_have_defaults_and_limits() {
     }
     assert_eq!(loaded.materials[3].specular, Vec3::new(0.1, 0.2, 1.0));
     assert_eq!(loaded.materials[3].emission, Vec3::new(3.0, 2.0, 1.0));
-    assert_eq!(loaded.materials[3].roughness, Some(0.5));
+    // alpha = sqrt(2 / (6 + 2)) = 0.5.
+    assert_eq!(loaded.materials[3].roughness, Some(0.5_f32.sqrt()));
     assert_eq!(loaded.materials[4].roughness, Some(0.3), "Pr before Ns");
+    assert_eq!(loaded.materials[4].specular, Vec3::splat(0.04), "Pr alone");
     for text in [
         "above 1",
         "negative",
