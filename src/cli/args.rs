@@ -5,7 +5,9 @@ use std::path::PathBuf;
 use super::golden::Golden;
 use clap::{Args, Parser, Subcommand};
 use relume::preview::{ColourChoice, ProtocolChoice, UnknownChoice};
-use relume::{Bounces, Component, ComponentError, PixelLimit, Scheme, SimdLevel};
+use relume::{
+    Bounces, Component, ComponentError, PixelLimit, Quality, QualityError, Scheme, SimdLevel,
+};
 
 /// Relight OBJ scenes on a CPU, with bounced light.
 #[derive(Debug, Parser)]
@@ -67,9 +69,11 @@ pub(super) struct Render {
                        basis), basis:K (its function K, from 0) or basis:P.K (function K of \
                        partition P).")]
     pub(super) component: Component,
-    /// How indirect light is read at pixels: from the vertices.
-    #[arg(long, default_value = "standard", value_parser = ["standard"], value_name = "NAME")]
-    pub(super) quality: String,
+    /// Where pixels have their indirect light and the sky's from: standard (from the
+    /// vertices, in milliseconds) or gather (by rays of their own, in seconds: for
+    /// still pictures).
+    #[arg(long, default_value = "standard", value_parser = parse_quality, value_name = "NAME")]
+    pub(super) quality: Quality,
 }
 
 #[derive(Debug, Args)]
@@ -280,6 +284,10 @@ fn parse_bounces(text: &str) -> Result<Bounces, String> {
 }
 
 fn parse_component(text: &str) -> Result<Component, ComponentError> {
+    text.parse()
+}
+
+fn parse_quality(text: &str) -> Result<Quality, QualityError> {
     text.parse()
 }
 

@@ -3,6 +3,7 @@
 use glam::Vec3;
 
 use super::component::Component;
+use super::quality::Quality;
 use super::stages::Stages;
 use crate::frame::{Development, EncodedImage, Image};
 use crate::maths::order::Order;
@@ -34,6 +35,8 @@ pub struct FrameSettings {
     pub component: Component,
     /// How exactly.
     pub effort: Effort,
+    /// Where indirect light and the sky's come from.
+    pub quality: Quality,
 }
 
 impl FrameSettings {
@@ -45,6 +48,7 @@ impl FrameSettings {
             light_samples: scene.render.light_samples,
             component: Component::Global,
             effort: Effort::Full,
+            quality: Quality::Standard,
         }
     }
 
@@ -54,6 +58,11 @@ impl FrameSettings {
 
     pub(super) fn needs_direct_at_vertices(&self) -> bool {
         self.needs_bounces() || self.component == Component::ApproximatedDirect
+    }
+
+    /// Whether a final gather is made.
+    pub(super) fn gathers(&self) -> bool {
+        self.quality == Quality::Gather && self.effort == Effort::Full
     }
 
     /// The sky's direct light comes from the bake too.

@@ -17,6 +17,7 @@ use rayon::prelude::*;
 use super::basis_view::BasisView;
 use super::component::{Component, Shaded, shown};
 use super::frame::Effort;
+use super::gather::{GatherLight, Gathered, at_sites};
 use super::lit_sites::KeptPicture;
 use super::paint::{Footprint, Paint};
 use super::raster::Fragment;
@@ -44,6 +45,8 @@ pub(crate) struct View<'a> {
     pub(crate) sky: &'a [Vec3],
     /// Indirect irradiance at the vertices, W/m2; empty where not needed.
     pub(crate) indirect: &'a [Vec3],
+    /// What a final gather reads in place of the two above, where one is made.
+    pub(crate) gather: Option<&'a GatherLight>,
     /// Radiosity by direct light at the vertices as the basis has it, W/m2;
     /// empty where not needed.
     pub(crate) approximated: &'a [Vec3],
@@ -83,6 +86,10 @@ pub(crate) fn draw(
     go_on()?;
     let (sites, direct) = kept.direct(view, stages, &go_on)?;
     go_on()?;
+    let gathered = match view.gather {
+        Some(light) => stages.time("gather", || at_sites(view, light, sites, progress))?,
+        None => Vec::new(),
+    };
     let shading = Shading {
         view,
         paint: Paint {
@@ -92,6 +99,7 @@ pub(crate) fn draw(
         },
         sites,
         direct: &direct,
+        gathered: &gathered,
     };
     let picture = stages.time("shade", || shading.picture());
     go_on()?;
@@ -104,6 +112,8 @@ struct Shading<'a> {
     sites: &'a Sites,
     /// Irradiance of all lights by site, W/m2; empty where it is not shown.
     direct: &'a [Vec3],
+    /// What a final gather found by site; empty where none was made.
+    gathered: &'a [Gathered],
 }
 
 impl Shading<'_> {
@@ -148,7 +158,7 @@ impl Shading<'_> {
             return (self.no_surface(pixel, fragment), false);
         };
         let colours = self.colours(fragment, Footprint::Pixel);
-        self.shaded(fragment, point, self.direct(pixel), colours)
+        self.shaded(fragment, point, pixel, colours)
     }
 
     /// A pixel of more than one surface: each is shaded once, at its sample
@@ -167,7 +177,7 @@ impl Shading<'_> {
                 None => (self.no_surface(pixel, fragment), false),
                 Some(point) => {
                     let colours = self.colours_of_group(fragment, members(group, samples));
-                    self.shaded(fragment, &point, self.direct(site), colours)
+                    self.shaded(fragment, &point, site, colours)
                 }
             };
             value += shade * share(group.members.count_ones());
@@ -231,19 +241,24 @@ impl Shading<'_> {
         view.lights.sky_radiance(camera.direction(x, y), spread_rad)
     }
 
-    /// Value of a fragment under direct irradiance.
+    /// Value of a fragment under the light of a site.
     fn shaded(
         &self,
         fragment: &Fragment,
         point: &SurfacePoint,
-        direct: Vec3,
+        site: usize,
         [albedo, emission]: [Vec3; 2],
     ) -> (Vec3, bool) {
         let view = self.view;
-        let (indirect, dark) = clamped(self.interpolated(fragment, view.indirect));
+        let gathered = self.gathered.get(site).copied();
+        let Gathered { indirect, sky } = gathered.unwrap_or_else(|| Gathered {
+            indirect: self.interpolated(fragment, view.indirect),
+            sky: self.interpolated(fragment, view.sky),
+        });
+        let (indirect, dark) = clamped(indirect);
         let (approximated, darker) = clamped(self.interpolated(fragment, view.approximated));
         let shaded = Shaded {
-            direct: direct + self.interpolated(fragment, view.sky),
+            direct: self.direct(site) + sky,
             indirect,
             approximated,
             emission,

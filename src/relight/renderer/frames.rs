@@ -10,6 +10,7 @@ use crate::relight::basis_view::BasisView;
 use crate::relight::bounces::{BounceError, Transport};
 use crate::relight::component::Component;
 use crate::relight::frame::{Frame, FrameSettings};
+use crate::relight::gather::{AtVertices as GatheredVertices, GatherLight};
 use crate::relight::kept::OnVertices;
 use crate::relight::shade::{View, draw};
 use crate::relight::stages::Stages;
@@ -58,6 +59,7 @@ impl Renderer {
                 .clamp(1, RenderKeys::MOST_LIGHT_SAMPLES),
             sky: &at_vertices.sky,
             indirect: &at_vertices.indirect,
+            gather: at_vertices.gather.as_ref(),
             approximated: &at_vertices.approximated,
             basis: at_vertices.basis.as_ref(),
             component: settings.component,
@@ -117,10 +119,35 @@ impl Renderer {
                 self.transport(run).projected(&source)
             });
         }
-        if settings.needs_bounces() {
+        if settings.gathers() {
+            let at_vertices = settings
+                .needs_bounces()
+                .then(|| stages.time("bounces", || self.gathered_vertices(settings.bounces, run)));
+            found.gather = Some(GatherLight {
+                has_sky: settings.needs_sky(lights),
+                at_vertices: at_vertices.transpose()?,
+            });
+        } else if settings.needs_bounces() {
             found.indirect = stages.time("bounces", || self.bounce(settings.bounces, run))?;
         }
         Ok(found)
+    }
+
+    /// What the rays of a final gather read of the vertices; they are the last
+    /// bounce themselves.
+    fn gathered_vertices(
+        &mut self,
+        bounces: Bounces,
+        run: &RunSettings,
+    ) -> Result<GatheredVertices, BounceError> {
+        let before = match bounces {
+            Bounces::Count(count) => Bounces::Count(count.saturating_sub(1)),
+            Bounces::All => Bounces::All,
+        };
+        let bounced = self.bounce(before, run)?;
+        let surface = &self.surface;
+        let (direct, sky) = self.kept.sum_and_sky(surface.vertices.len());
+        Ok(GatheredVertices::new(surface, direct, sky, &bounced))
     }
 
     /// Indirect irradiance at the vertices from the kept direct light; that of the
@@ -172,6 +199,8 @@ struct AtVertices {
     sky: Vec<Vec3>,
     indirect: Arc<[Vec3]>,
     approximated: Vec<Vec3>,
+    /// What a final gather reads, where one is made.
+    gather: Option<GatherLight>,
     basis: Option<BasisView>,
     computed_lights: usize,
 }
