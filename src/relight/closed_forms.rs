@@ -23,6 +23,7 @@
 //! | `textures` | what a map on a surface is on average |
 //! | `relit` | lamps and materials changed from frame to frame |
 //! | `messy` | files and faces as other programs leave them |
+//! | `gather` | sky, furnace and sphere by rays of the pixels' own |
 //! | `finite` | what has no meaning makes no frame that has none |
 //!
 //! Where the answer to a known hard case is tested, here and elsewhere;
@@ -78,6 +79,8 @@
 //! | negative light | `light_below_zero_reaches_no_pixel_and_is_counted` |
 //! | ... reported | `pixels_below_zero_are_reported` |
 //! | threads, levels | `tiny` |
+//! | final gather | `gathering_in_a_furnace_finds_its_series` |
+//! | ... in a sphere | `gathering_in_a_sphere_finds_even_light` |
 //! | another renderer | `relume_agrees_with_mitsuba` |
 
 mod area;
@@ -90,6 +93,7 @@ mod direct_flux;
 mod emitters;
 mod enclosures;
 mod finite;
+mod gather;
 mod kept;
 mod maps;
 mod messy;
