@@ -32,16 +32,25 @@ use crate::simd::Hit;
 use crate::surface::direct::LightPoints;
 use crate::surface::{NONE, Surface, SurfacePoint};
 
-/// Rays a pixel.
+/// Rays a pixel. In the Cornell box (320 x 240) 256 leave 0.7 % of noise a pixel
+/// (relRMSE), 128 leave 1.3 %, 64 leave 2.3 % and 16 leave 6.7 %; FLIP against a
+/// reference that has 1.2 % itself is 0.016, -, 0.021 and 0.038. More would not fit
+/// the sets of points, and means of 8 x 8 pixels gain next to nothing: 0.18 % with
+/// 256, 0.22 % with 64, of which the reference's own noise is 0.15 %.
 pub(super) const RAYS: u32 = 256;
 /// Samples of a pixel of more than one surface; each takes an equal part of its rays.
 const SAMPLES: u32 = 16;
 /// Sites that one task takes.
 const SITES_A_TASK: usize = 256;
-/// A surface nearer than so many of its edge's lengths shows its triangles.
+/// A surface nearer than so many of its edge's lengths shows its triangles: the
+/// shadow of a thing that stands on it may pass between corners that agree. (In a
+/// Cornell box of edges of 0.2 m this is rare: the error of 8 x 8 means is 0.239 %
+/// with 0 and 0.238 % with 1 and 2.)
 const NEAR: f32 = 1.0;
 /// Relative difference of a triangle's corners beyond which its direct light is not
-/// interpolated.
+/// interpolated. In a Cornell box of edges of 0.2 m the error of 8 x 8 means is
+/// 0.377 % where all is interpolated, 0.264 % with 0.3, 0.238 % with 0.1 and 0.234 %
+/// where nothing is; that of interpolated light at pixels is 0.609 %.
 const UNIFORM_WITHIN: f32 = 0.1;
 
 const _: () = assert!(RAYS <= MOST_RAYS && RAYS.is_multiple_of(SAMPLES));
@@ -52,12 +61,12 @@ pub(crate) struct GatherLight {
     /// Whether rays that escape bring the sky's light.
     pub(crate) has_sky: bool,
     /// What rays that arrive bring; nothing where nothing bounces.
-    pub(crate) at_vertices: Option<AtVertices>,
+    pub(crate) at_vertices: Option<LitVertices>,
 }
 
 /// Irradiance of the lighting vertices, W/m2.
 #[derive(Debug)]
-pub(crate) struct AtVertices {
+pub(crate) struct LitVertices {
     /// E0 + E^(N-1): of the lights, the sky, and one bounce less than the frame's.
     irradiance: Vec<Vec3>,
     /// The same without the lights: the sky's and bounced light.
@@ -75,7 +84,7 @@ pub(super) struct Gathered {
     pub(super) sky: Vec3,
 }
 
-impl AtVertices {
+impl LitVertices {
     /// From the irradiance of all direct light, of the sky alone (none where it is
     /// empty) and of bounced light with one bounce less than the frame's.
     pub(crate) fn new(surface: &Surface, direct: &[Vec3], sky: &[Vec3], bounced: &[Vec3]) -> Self {

@@ -10,7 +10,7 @@ use crate::relight::basis_view::BasisView;
 use crate::relight::bounces::{BounceError, Transport};
 use crate::relight::component::Component;
 use crate::relight::frame::{Frame, FrameSettings};
-use crate::relight::gather::{AtVertices as GatheredVertices, GatherLight};
+use crate::relight::gather::{GatherLight, LitVertices};
 use crate::relight::kept::OnVertices;
 use crate::relight::shade::{View, draw};
 use crate::relight::stages::Stages;
@@ -122,7 +122,7 @@ impl Renderer {
         if settings.gathers() {
             let at_vertices = settings
                 .needs_bounces()
-                .then(|| stages.time("bounces", || self.gathered_vertices(settings.bounces, run)));
+                .then(|| stages.time("bounces", || self.lit_vertices(settings.bounces, run)));
             found.gather = Some(GatherLight {
                 has_sky: settings.needs_sky(lights),
                 at_vertices: at_vertices.transpose()?,
@@ -135,11 +135,11 @@ impl Renderer {
 
     /// What the rays of a final gather read of the vertices; they are the last
     /// bounce themselves.
-    fn gathered_vertices(
+    fn lit_vertices(
         &mut self,
         bounces: Bounces,
         run: &RunSettings,
-    ) -> Result<GatheredVertices, BounceError> {
+    ) -> Result<LitVertices, BounceError> {
         let before = match bounces {
             Bounces::Count(count) => Bounces::Count(count.saturating_sub(1)),
             Bounces::All => Bounces::All,
@@ -147,7 +147,7 @@ impl Renderer {
         let bounced = self.bounce(before, run)?;
         let surface = &self.surface;
         let (direct, sky) = self.kept.sum_and_sky(surface.vertices.len());
-        Ok(GatheredVertices::new(surface, direct, sky, &bounced))
+        Ok(LitVertices::new(surface, direct, sky, &bounced))
     }
 
     /// Indirect irradiance at the vertices from the kept direct light; that of the
