@@ -8,17 +8,20 @@
 //! shadow ray.
 //!
 //! A pixel's rays are cosine-distributed, so its irradiance is pi x the mean radiance
-//! that they bring (Reichert, "A Two-Pass Radiosity Method Driven by Lights and Viewer
+//! that they bring; where all that sends light is far, it is the mean over some pixels
+//! around (`smooth`) (Reichert, "A Two-Pass Radiosity Method Driven by Lights and Viewer
 //! Position", 1992; Jensen, "Realistic Image Synthesis Using Photon Mapping", 2001).
 
 mod arriving;
 mod points;
+mod smooth;
 
 use glam::Vec3;
 use rayon::prelude::*;
 
 pub(super) use arriving::{Arriving, Rays, Wanted};
 use points::{MOST_RAYS, PixelPoints};
+use smooth::smoothed;
 
 use super::raster::Fragment;
 use super::reach::seen_point;
@@ -82,6 +85,8 @@ pub(crate) struct LitVertices {
 pub(super) struct Gathered {
     pub(super) indirect: Vec3,
     pub(super) sky: Vec3,
+    /// 1 / the harmonic mean of the rays' lengths, in placed units.
+    nearness: f32,
 }
 
 impl LitVertices {
@@ -155,7 +160,7 @@ pub(super) fn at_sites(
             progress.advance(1);
             Some(())
         })
-        .map(|()| found)
+        .map(|()| smoothed(view, sites, &found))
 }
 
 /// A pixel of one surface: all rays start from its centre.
@@ -220,19 +225,21 @@ fn add(
             }
         })
         .collect();
-    rays.arriving(from, &wanted, &mut |Arriving { bounced, sky }| {
-        sum.indirect += bounced;
-        sum.sky += sky;
+    rays.arriving(from, &wanted, &mut |it: Arriving| {
+        sum.indirect += it.bounced;
+        sum.sky += it.sky;
+        sum.nearness += it.nearness;
     });
 }
 
 impl Gathered {
     /// Irradiance from the sum of the radiance of some cosine-distributed rays.
     fn mean(self, rays: u32) -> Self {
-        let factor = std::f32::consts::PI / rays.max(1) as f32;
+        let share = 1.0 / rays.max(1) as f32;
         Self {
-            indirect: self.indirect * factor,
-            sky: self.sky * factor,
+            indirect: self.indirect * (std::f32::consts::PI * share),
+            sky: self.sky * (std::f32::consts::PI * share),
+            nearness: self.nearness * share,
         }
     }
 }

@@ -250,11 +250,10 @@ impl Shading<'_> {
         [albedo, emission]: [Vec3; 2],
     ) -> (Vec3, bool) {
         let view = self.view;
-        let gathered = self.gathered.get(site).copied();
-        let Gathered { indirect, sky } = gathered.unwrap_or_else(|| Gathered {
-            indirect: self.interpolated(fragment, view.indirect),
-            sky: self.interpolated(fragment, view.sky),
-        });
+        let [indirect, sky] = match self.gathered.get(site) {
+            Some(gathered) => [gathered.indirect, gathered.sky],
+            None => [view.indirect, view.sky].map(|light| self.interpolated(fragment, light)),
+        };
         let (indirect, dark) = clamped(indirect);
         let (approximated, darker) = clamped(self.interpolated(fragment, view.approximated));
         let shaded = Shaded {

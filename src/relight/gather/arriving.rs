@@ -4,6 +4,7 @@
 use glam::Vec3;
 
 use super::GatherLight;
+use crate::maths::order::Order;
 use crate::maths::sampling::{pick, tangents};
 use crate::relight::shade::View;
 use crate::scene::{Incident, max_component};
@@ -33,6 +34,8 @@ pub(in crate::relight) struct Arriving {
     pub(in crate::relight) bounced: Vec3,
     /// From the sky without its suns: these are direct light.
     pub(in crate::relight) sky: Vec3,
+    /// 1 / the way that it came, in placed units; 0 from the sky.
+    pub(in crate::relight) nearness: f32,
 }
 
 /// What rays bring to the points of a view.
@@ -82,7 +85,10 @@ impl<'a> Rays<'a> {
         for (index, it) in wanted.iter().enumerate() {
             let mut found = Arriving::default();
             match self.hits[index] {
-                Some(hit) => found.bounced = self.reflected(&hit, it),
+                Some(hit) => {
+                    found.bounced = self.reflected(&hit, it);
+                    found.nearness = 1.0 / hit.t.at_least(f32::MIN_POSITIVE);
+                }
                 None if self.light.has_sky => {
                     found.sky = view.lights.sky_without_suns(it.direction, it.spread_rad);
                 }
