@@ -71,9 +71,9 @@ pub use output::{
 };
 pub use relight::{
     BakeFigures, BasisFunction, BasisFunctionError, BounceError, COMPONENTS, Component,
-    ComponentError, Effort, Frame, FrameSettings, ImageCounts, LightCounts, Outlook, RenderError,
-    Renderer, SceneContents, SceneFigures, SeenSurfaces, SkyView, Stages, bounces_text,
-    describe_levels, describe_scene, develop,
+    ComponentError, Effort, Frame, FrameSettings, ImageCounts, LightCounts, Outlook, Quality,
+    QualityError, RenderError, Renderer, SceneContents, SceneFigures, SeenSurfaces, SkyView,
+    Stages, bounces_text, describe_levels, describe_scene, develop,
 };
 pub use scene::{
     Animation, Area, BakeKeys, Bounces, Camera, Directional, Environment, GoldenKeys, Light,

@@ -6,7 +6,9 @@ use super::golden::Golden;
 use clap::{Args, Parser, Subcommand};
 use relume::preview::{ColourChoice, ProtocolChoice, UnknownChoice};
 use relume::reference::GlossyBounces;
-use relume::{Bounces, Component, ComponentError, PixelLimit, Scheme, SimdLevel};
+use relume::{
+    Bounces, Component, ComponentError, PixelLimit, Quality, QualityError, Scheme, SimdLevel,
+};
 
 /// Relight OBJ scenes on a CPU, with bounced light.
 #[derive(Debug, Parser)]
@@ -68,9 +70,11 @@ pub(super) struct Render {
                        basis), basis:K (its function K, from 0) or basis:P.K (function K of \
                        partition P).")]
     pub(super) component: Component,
-    /// How indirect light is read at pixels: from the vertices.
-    #[arg(long, default_value = "standard", value_parser = ["standard"], value_name = "NAME")]
-    pub(super) quality: String,
+    /// Where pixels have their indirect light and the sky's from: standard (from the
+    /// vertices, in milliseconds) or gather (by rays of their own, in seconds: for
+    /// still pictures).
+    #[arg(long, default_value = "standard", value_parser = parse_quality, value_name = "NAME")]
+    pub(super) quality: Quality,
 }
 
 #[derive(Debug, Args)]
@@ -295,6 +299,10 @@ fn parse_glossy_bounces(text: &str) -> Result<GlossyBounces, String> {
 }
 
 fn parse_component(text: &str) -> Result<Component, ComponentError> {
+    text.parse()
+}
+
+fn parse_quality(text: &str) -> Result<Quality, QualityError> {
     text.parse()
 }
 

@@ -102,7 +102,7 @@ fn main_figures(figures: &MainFigures) -> Value {
             "flip": { "mean": it.flip[0], "p95": it.flip[1], "halves": it.flip_of_halves },
             "frame_ms": rounded(it.frame_ms),
         });
-        (it.component.to_owned(), object)
+        (it.name().replace(", ", "_"), object)
     });
     let glossy = figures.glossy.iter();
     let glossy = glossy.map(|&(roughness, error, bias)| {
@@ -149,9 +149,9 @@ fn summary(figures: &MainFigures) -> String {
     }
     for it in &figures.images {
         lines.push(format!(
-            "{:<8} FLIP {:.4}, relRMSE {:.2} % (8 x 8: {:.2} %), frame {:.1} ms of one thread; \
+            "{:<16} FLIP {:.4}, relRMSE {:.2} % (8 x 8: {:.2} %), frame {:.1} ms of one thread; \
              paths to the same error take {:.0} times as long (8 x 8: {:.0})",
-            it.component,
+            it.name(),
             it.flip[0],
             it.relative_rmse[0] * 100.0,
             it.relative_rmse[1] * 100.0,

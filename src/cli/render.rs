@@ -21,6 +21,7 @@ pub(super) fn execute(arguments: &Render) -> Result<Report, CliError> {
     let (exposure, tone) = (scene.render.exposure, scene.render.tone);
     let settings = FrameSettings {
         component: arguments.component,
+        quality: arguments.quality,
         ..FrameSettings::of_scene(&scene)
     };
     let folder = cache_folder(&arguments.scene.run);
@@ -103,7 +104,8 @@ pub(super) fn digest(view: &ViewArguments, picture: &Picture) -> String {
 fn report(arguments: &Render, renderer: &Renderer, frame: &Frame, digest: &str) -> Report {
     let figures = renderer.figures();
     let size = [frame.image.width(), frame.image.height()];
-    let mut json = json!({ "digest": digest, "size": size });
+    let quality = arguments.quality.name();
+    let mut json = json!({ "digest": digest, "size": size, "quality": quality });
     add_figures(&mut json, &figures);
     json["clamped_pixels"] = json!(frame.clamped_pixels);
     json["ms"] = stage_times(&[renderer.preparation(), &frame.stages]);

@@ -10,7 +10,7 @@ use super::statistics::{median, root_of_difference};
 use crate::bake::RunSettings;
 use crate::frame::{Difference, FlipMap, Image, PIXELS_PER_DEGREE, compare, flip};
 use crate::reference::{GlossyBounces, ReferencePart, ReferenceSettings, trace};
-use crate::relight::{Component, FrameSettings, RenderError, Renderer, develop};
+use crate::relight::{Component, FrameSettings, Quality, RenderError, Renderer, develop};
 use crate::scene::{Bounces, Light, LightKind, Radiance, Scene};
 
 /// Seeds of the two halves of the reference.
@@ -22,6 +22,9 @@ const TRIED_SEED: u32 = 0x4e90_0008;
 pub(super) const BLOCK: u32 = 8;
 /// Frames that are timed on one thread; the median counts.
 pub(super) const TIMED_FRAMES: u32 = 5;
+/// Qualities that are compared, and how many frames of each are timed: one gather
+/// takes seconds, and differs less from the next one.
+const QUALITIES: [(Quality, u32); 2] = [(Quality::Standard, TIMED_FRAMES), (Quality::Gather, 1)];
 /// Each timed frame has its lights this much brighter, so that no light is kept.
 const BRIGHTER: f32 = 1.0 + 1.0 / 1024.0;
 
@@ -60,6 +63,7 @@ pub(super) struct AtEqualError {
 /// One component against the reference.
 pub(super) struct Compared {
     pub(super) component: Component,
+    pub(super) quality: Quality,
     pub(super) frame: Image,
     pub(super) reference: Image,
     /// By pixels, and by means of blocks.
@@ -101,20 +105,23 @@ pub(super) fn against_paths(
     let references = references(renderer.scene(), frame, samples, run)?;
     let mut compared = Vec::new();
     for (component, halves) in COMPARED.into_iter().zip(references) {
-        let settings = FrameSettings {
+        let truth = Truth::of(halves);
+        let of_component = FrameSettings {
             component,
             ..*frame
         };
-        run.progress.stage("frames", u64::from(TIMED_FRAMES));
-        let image = renderer.frame(&settings, run)?.image;
-        let frame_ms = frame_ms(renderer, &settings, run)?;
-        compared.push(one(
-            renderer.scene(),
-            &settings,
-            (image, frame_ms),
-            halves,
-            run,
-        )?);
+        let tried = tried(renderer.scene(), &of_component, &truth, run)?;
+        for (quality, timed_frames) in QUALITIES {
+            let settings = FrameSettings {
+                quality,
+                ..of_component
+            };
+            run.progress.stage("frames", u64::from(timed_frames));
+            let image = renderer.frame(&settings, run)?.image;
+            let frame_ms = frame_ms(renderer, &settings, timed_frames, run)?;
+            let scene = renderer.scene();
+            compared.push(one(scene, &settings, (image, frame_ms), &truth, &tried));
+        }
     }
     Ok(compared)
 }
@@ -174,20 +181,43 @@ pub(super) fn joined(
     Image::new(a.width(), a.height(), pixels).expect("as many pixels as before")
 }
 
+/// The reference of one component.
+struct Truth {
+    halves: [Image; 2],
+    /// Their mean.
+    reference: Image,
+    /// Its standard error, by pixels and by means of blocks.
+    noise: [f64; 2],
+}
+
+impl Truth {
+    fn of(halves: [Image; 2]) -> Self {
+        let reference = joined(&halves[0], &halves[1], |a, b| (a + b) * 0.5);
+        let noise = |side| difference(&reference, &halves[0], side).relative_rmse;
+        Self {
+            noise: [1, BLOCK].map(noise),
+            reference,
+            halves,
+        }
+    }
+}
+
 fn one(
     scene: &Scene,
     settings: &FrameSettings,
     (frame, frame_ms): (Image, f64),
-    halves: [Image; 2],
-    run: &RunSettings,
-) -> Result<Compared, MeasureError> {
-    let reference = joined(&halves[0], &halves[1], |a, b| (a + b) * 0.5);
-    let rms = [1, BLOCK].map(|side| Rms {
-        found: difference(&reference, &frame, side).relative_rmse,
-        noise: difference(&reference, &halves[0], side).relative_rmse,
+    Truth {
+        halves,
+        reference,
+        noise,
+    }: &Truth,
+    tried: &Tried,
+) -> Compared {
+    let rms = [(1, noise[0]), (BLOCK, noise[1])].map(|(side, noise)| Rms {
+        found: difference(reference, &frame, side).relative_rmse,
+        noise,
     });
-    let whole = difference(&reference, &frame, 1);
-    let tried = tried(scene, settings, &reference, &rms, run)?;
+    let whole = difference(reference, &frame, 1);
     let flip_between = |a: &Image, b: &Image| {
         let levels = [a, b].map(|image| {
             let render = &scene.render;
@@ -195,21 +225,22 @@ fn one(
         });
         flip(&levels[0], &levels[1], PIXELS_PER_DEGREE).expect("images of one size")
     };
-    let flip = flip_between(&reference, &frame);
+    let flip = flip_between(reference, &frame);
     let flip_of_halves = flip_between(&halves[0], &halves[1]).mean();
-    Ok(Compared {
+    Compared {
         component: settings.component,
+        quality: settings.quality,
         bias: whole.bias,
-        bias_noise: difference(&reference, &halves[0], 1).bias.abs(),
+        bias_noise: difference(reference, &halves[0], 1).bias.abs(),
         flip,
         flip_of_halves,
         paths: [0, 1].map(|which| tried.at_equal_error(which, rms[which].corrected())),
         seconds_a_sample: tried.seconds_a_sample,
         rms,
         frame,
-        reference,
+        reference: reference.clone(),
         frame_ms,
-    })
+    }
 }
 
 /// The difference of the means of blocks of so many pixels a side.
@@ -264,8 +295,7 @@ impl Tried {
 fn tried(
     scene: &Scene,
     settings: &FrameSettings,
-    reference: &Image,
-    noise: &[Rms; 2],
+    truth: &Truth,
     run: &RunSettings,
 ) -> Result<Tried, MeasureError> {
     let mut errors = [Vec::new(), Vec::new()];
@@ -286,8 +316,8 @@ fn tried(
         let image = on_one_thread(|| traced(scene, &tracing, run))??;
         times.push((f64::from(samples), start.elapsed().as_secs_f64()));
         for (which, side) in [1, BLOCK].into_iter().enumerate() {
-            let found = difference(reference, &image, side).relative_rmse;
-            let own = root_of_difference(found, noise[which].noise);
+            let found = difference(&truth.reference, &image, side).relative_rmse;
+            let own = root_of_difference(found, truth.noise[which]);
             errors[which].push((f64::from(samples), own));
         }
     }
@@ -320,13 +350,16 @@ fn on_one_thread<T: Send>(job: impl FnOnce() -> T + Send) -> Result<T, MeasureEr
 fn frame_ms(
     renderer: &mut Renderer,
     settings: &FrameSettings,
+    timed_frames: u32,
     run: &RunSettings,
 ) -> Result<f64, MeasureError> {
     let before = renderer.scene().lights.clone();
     let times = on_one_thread(|| -> Result<Vec<f64>, RenderError> {
-        renderer.frame(settings, run)?;
+        if timed_frames > 1 {
+            renderer.frame(settings, run)?;
+        }
         let mut times = Vec::new();
-        for _ in 0..TIMED_FRAMES {
+        for _ in 0..timed_frames {
             let start = Instant::now();
             renderer.relight(|lights, _| lights.iter_mut().for_each(brighten));
             renderer.frame(settings, run)?;

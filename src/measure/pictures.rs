@@ -27,17 +27,14 @@ const RAMP: [[f64; 3]; 5] = [
 
 /// A frame beside its reference, with the map of FLIP.
 pub(super) fn comparison(scene: &Scene, compared: &Compared) -> Result<Block, MeasureError> {
-    let name = if compared.component == Component::Global {
-        "global"
-    } else {
-        "indirect"
-    };
+    let name = compared.name();
+    let file_name = name.replace(", ", "-");
     let levels = |image: &Image| {
         let render = &scene.render;
         develop(image, compared.component, render.exposure, render.tone)
     };
     Ok(Block::Comparison(Comparison {
-        name: format!("{name}-against-reference"),
+        name: format!("{file_name}-against-reference"),
         caption: format!(
             "{name} light: a relit frame and the path-traced reference. FLIP from 0 (dark) to \
              {BRIGHTEST_FLIP} and above (bright); mean {:.4}, of which the reference's halves \

@@ -11,6 +11,7 @@ use super::sweeps::Swept;
 use super::tables;
 use super::vertices::{BOUNCES, LAST_RAYS, MANY_POINTS, test_lights};
 use crate::bake::{LIGHTS, LightErrors, RunSettings, Scheme};
+use crate::relight::Quality;
 use crate::report::{Fact, Report, ReportFile, Section};
 use crate::scene::{Bounces, Scene};
 
@@ -78,6 +79,8 @@ pub struct SchemeFigures {
 pub struct ImageFigures {
     /// Name of the component.
     pub component: &'static str,
+    /// Where the frame has its indirect light from.
+    pub quality: Quality,
     /// relRMSE of pixels and of blocks without the reference's noise.
     pub relative_rmse: [f64; 2],
     /// The reference's noise, of pixels and of blocks.
@@ -97,6 +100,21 @@ pub struct ImageFigures {
     pub ratios: [f64; 2],
     /// Frames after which the bake has paid; `None`: never.
     pub break_even_frames: [Option<f64>; 2],
+}
+
+impl ImageFigures {
+    /// The component, and the quality where it is not as always.
+    pub fn name(&self) -> String {
+        named(self.component, self.quality)
+    }
+}
+
+/// What a frame of a component is called, by its quality.
+pub(super) fn named(component: &str, quality: Quality) -> String {
+    match quality {
+        Quality::Standard => component.to_owned(),
+        Quality::Gather => format!("{component}, {quality}"),
+    }
 }
 
 /// Measures a scene and writes its speed-against-error report. Nothing comes
@@ -178,6 +196,7 @@ fn main_figures(measured: &Measured) -> MainFigures {
 fn image_figures(it: &Compared, bake_seconds: f64) -> ImageFigures {
     ImageFigures {
         component: it.component_name(),
+        quality: it.quality,
         relative_rmse: it.rms.map(|rms| rms.corrected()),
         noise: it.rms.map(|rms| rms.noise),
         bias: it.bias,
@@ -252,7 +271,7 @@ fn facts(measured: &Measured, figures: &MainFigures) -> Vec<Fact> {
     }
     for image in &figures.images {
         facts.push(fact(
-            &format!("FLIP, {}", image.component),
+            &format!("FLIP, {}", image.name()),
             format!("{:.4}", image.flip[0]),
             &format!(
                 "mean; 95th percentile {:.4}; between the reference's own halves {:.4}",
@@ -260,7 +279,7 @@ fn facts(measured: &Measured, figures: &MainFigures) -> Vec<Fact> {
             ),
         ));
         facts.push(fact(
-            &format!("paths / frame, {}", image.component),
+            &format!("paths / frame, {}", image.name()),
             format!("{:.0}", image.ratios[0]),
             &format!(
                 "time of one thread at equal relRMSE of pixels ({}); {:.0} at that of {BLOCK} x \
@@ -450,7 +469,7 @@ fn image_section(image: &[Compared], measured: &Measured) -> Section {
             ),
             format!(
                 "Times are of one thread by the clock: the median of {TIMED_FRAMES} frames in \
-                 which every light changed, and the path tracer at {} paths a pixel. Its error is \
+                 which every light changed (of a gather, one frame), and the path tracer at {} paths a pixel. Its error is \
                  measured at {tried} paths. The bake took {:.1} s on {} threads; break-even \
                  counts their product.",
                 TRIED_SAMPLES[TRIED_SAMPLES.len() - 1],

@@ -23,6 +23,7 @@
 //! | `textures` | what a map on a surface is on average |
 //! | `relit` | lamps and materials changed from frame to frame |
 //! | `messy` | files and faces as other programs leave them |
+//! | `gather` | sky, furnace and sphere by rays of the pixels' own |
 //! | `glossy` | furnaces of lobes, slices against paths |
 //! | `finite` | what has no meaning makes no frame that has none |
 //!
@@ -79,6 +80,8 @@
 //! | negative light | `light_below_zero_reaches_no_pixel_and_is_counted` |
 //! | ... reported | `pixels_below_zero_are_reported` |
 //! | threads, levels | `tiny` |
+//! | final gather | `gathering_in_a_furnace_finds_its_series` |
+//! | ... in a sphere | `gathering_in_a_sphere_finds_even_light` |
 //! | another renderer | `relume_agrees_with_mitsuba` |
 
 mod area;
@@ -91,6 +94,7 @@ mod direct_flux;
 mod emitters;
 mod enclosures;
 mod finite;
+mod gather;
 mod glossy;
 mod kept;
 mod maps;

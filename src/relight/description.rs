@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 
+use super::gather::RAYS;
 use super::{Component, FrameSettings, Renderer};
 use crate::frame::Metadata;
 use crate::scene::{Bounces, Camera, Scene, SceneDigests, Tone};
@@ -60,6 +61,11 @@ impl Renderer {
         }
         if settings.component.needs_direct() {
             metadata.set_own("light_samples", settings.light_samples.to_string());
+        }
+        let is_gathered = settings.component.needs_indirect() || settings.component.needs_direct();
+        if settings.gathers() && is_gathered {
+            metadata.set_own("quality", settings.quality.name());
+            metadata.set_own("gather.rays", RAYS.to_string());
         }
         let figures = self.figures();
         if let Some(bake) = figures.bake.filter(|_| self.reads_bake(settings)) {

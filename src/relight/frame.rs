@@ -3,6 +3,7 @@
 use glam::Vec3;
 
 use super::component::Component;
+use super::quality::Quality;
 use super::stages::Stages;
 use crate::frame::{Development, EncodedImage, Image};
 use crate::maths::order::Order;
@@ -34,6 +35,8 @@ pub struct FrameSettings {
     pub component: Component,
     /// How exactly.
     pub effort: Effort,
+    /// Where indirect light and the sky's come from.
+    pub quality: Quality,
 }
 
 impl FrameSettings {
@@ -45,6 +48,7 @@ impl FrameSettings {
             light_samples: scene.render.light_samples,
             component: Component::Global,
             effort: Effort::Full,
+            quality: Quality::Standard,
         }
     }
 
@@ -57,9 +61,20 @@ impl FrameSettings {
         self.needs_bounces() || self.component == Component::ApproximatedDirect
     }
 
+    /// Whether a final gather is made.
+    pub(super) fn gathers(&self) -> bool {
+        self.quality == Quality::Gather && self.effort == Effort::Full
+    }
+
     /// The sky's direct light comes from the bake too.
     pub(super) fn needs_sky(&self, lights: &PlacedLights) -> bool {
         self.component.needs_direct() && !lights.skies.is_empty()
+    }
+
+    /// Whether rays of a final gather bring the sky's light.
+    pub(super) fn gathers_sky(&self, lights: &PlacedLights) -> bool {
+        let shown = self.component.needs_direct() || self.component.needs_glossy();
+        shown && !lights.skies.is_empty()
     }
 }
 

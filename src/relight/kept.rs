@@ -182,6 +182,13 @@ impl KeptDirect {
         }
         (&self.sum, self.version)
     }
+
+    /// The same sum, and the sky's part of it; empty without a sky.
+    pub(crate) fn sum_and_sky(&mut self, vertex_count: usize) -> (&[Vec3], &[Vec3]) {
+        self.sum(vertex_count);
+        let sky = self.sky.as_ref().map_or(&[][..], |(_, sky)| sky);
+        (&self.sum, sky)
+    }
 }
 
 /// What the skies do to the vertices, by the cells of the sky; no entry where

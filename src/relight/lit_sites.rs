@@ -13,10 +13,9 @@ use super::shade::View;
 use super::sites::{Sites, members, samples_of};
 use super::stages::Stages;
 use super::sum::{BLOCK, BlockSums, Part};
-use crate::brdf::{GlossyMaterials, ViewedFrame};
+use crate::brdf::GlossyMaterials;
 use crate::scene::PlacedLight;
-use crate::surface::SurfacePoint;
-use crate::surface::direct::{Found, LightPoints, SeenLobe, reflected_in_the_open};
+use crate::surface::direct::{Found, LightPoints, reflected_in_the_open};
 
 /// Samples of a pixel that share the shadow rays of its centre: where a light
 /// is partly hidden, each of the 16 samples gets a quarter of `light_samples`.
@@ -273,20 +272,12 @@ impl<'a> Asked<'a> {
         [both.0.into(), both.1.into()]
     }
 
-    /// The lobe of what a fragment shows.
-    fn lobe(&self, fragment: &Fragment, point: &SurfacePoint) -> Option<SeenLobe<'_>> {
-        let triangle = &self.view.surface.mesh.triangles[fragment.triangle as usize];
-        let glossy = self.view.glossy.of(triangle.material)?;
-        let frame = ViewedFrame::of(point.normal, self.view.to_eye(point));
-        Some(SeenLobe { glossy, frame })
-    }
-
     /// In a draft: the light at the pixel's centre.
     fn at_centre(&self, light: &PlacedLight, pixel: usize) -> Lit {
         let Some(point) = &self.sites.points[pixel] else {
             return Lit::default();
         };
-        let lobe = self.lobe(&self.sites.centers.fragments[pixel], point);
+        let lobe = self.view.lobe(&self.sites.centers.fragments[pixel], point);
         let count = self.view.light_samples;
         let to_light = LightPoints::of(LIGHT_SEED, pixel as u32, 0, count);
         let mut found = Found::by(lobe);
@@ -309,7 +300,7 @@ impl<'a> Asked<'a> {
             return Lit::default();
         }
         let incident = light.incident(point.position, point.normal);
-        let lobe = self.lobe(&self.sites.centers.fragments[pixel], point);
+        let lobe = self.view.lobe(&self.sites.centers.fragments[pixel], point);
         let reflected = lobe.map(|lobe| {
             let points = LightPoints::of(LIGHT_SEED, pixel as u32, 0, POINTS_IN_THE_OPEN);
             reflected_in_the_open(&incident, point, &lobe, points)
@@ -333,7 +324,7 @@ impl<'a> Asked<'a> {
         seen_point(self.view, fragment).map_or(Lit::default(), |point| {
             let count = self.view.light_samples;
             let to_light = LightPoints::of(LIGHT_SEED, pixel, 0, count);
-            let mut found = Found::by(self.lobe(fragment, &point));
+            let mut found = Found::by(self.view.lobe(fragment, &point));
             self.view
                 .shadows()
                 .find(light, &point, to_light, &mut found);
@@ -363,7 +354,7 @@ impl<'a> Asked<'a> {
             let Some(point) = seen_point(self.view, fragment) else {
                 continue;
             };
-            found.lobe = self.lobe(fragment, &point);
+            found.lobe = self.view.lobe(fragment, &point);
             let to_light = self.light_points(pixel, sample as u32);
             if shared.is_none() || light.is_sharp() {
                 let incident = light.incident(point.position, point.normal);

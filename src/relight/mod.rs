@@ -5,6 +5,8 @@
 //!
 //! direct light at vertices -> bounces -> indirect irradiance a vertex
 //! camera -> rasterizer -> direct light a pixel -> shade
+//!
+//! Between the two, where a still picture is wanted: a final gather a pixel.
 
 mod basis_view;
 mod bounces;
@@ -14,6 +16,7 @@ mod colours;
 mod component;
 mod description;
 mod frame;
+mod gather;
 mod geometry;
 mod glossy_light;
 mod kept;
@@ -21,6 +24,7 @@ mod lit_sites;
 mod outlook;
 mod paint;
 mod palette;
+mod quality;
 mod raster;
 mod reach;
 mod renderer;
@@ -38,6 +42,7 @@ pub use component::{BasisFunction, COMPONENTS, Component, ComponentError};
 pub use description::{bounces_text, describe_levels, describe_scene};
 pub use frame::{Effort, Frame, FrameSettings, develop};
 pub use outlook::{ImageCounts, LightCounts, Outlook, SceneContents, SkyView};
+pub use quality::{Quality, QualityError};
 pub use renderer::{BakeFigures, RenderError, Renderer, SceneFigures};
 pub use seen::SeenSurfaces;
 pub use stages::Stages;

@@ -17,6 +17,7 @@ use rayon::prelude::*;
 use super::basis_view::BasisView;
 use super::component::{Component, Shaded, shown};
 use super::frame::Effort;
+use super::gather::{GatherLight, Gathered, at_sites};
 use super::glossy_light::GlossyLight;
 use super::lit_sites::{DirectLight, KeptPicture};
 use super::paint::{Footprint, Paint};
@@ -29,7 +30,7 @@ use crate::brdf::{GlossyMaterials, ViewedFrame};
 use crate::frame::Image;
 use crate::scene::{PlacedCamera, PlacedLights, Scene};
 use crate::simd::Level;
-use crate::surface::direct::Shadows;
+use crate::surface::direct::{SeenLobe, Shadows};
 use crate::surface::{NONE, Surface, SurfacePoint};
 
 /// What a picture is made of.
@@ -50,6 +51,8 @@ pub(crate) struct View<'a> {
     pub(crate) indirect: &'a [Vec3],
     /// What arrives at glossy vertices by direction; none where not needed.
     pub(crate) glossy_light: Option<&'a GlossyLight>,
+    /// What a final gather reads in place of the two above, where one is made.
+    pub(crate) gather: Option<&'a GatherLight>,
     /// Radiosity by direct light at the vertices as the basis has it, W/m2;
     /// empty where not needed.
     pub(crate) approximated: &'a [Vec3],
@@ -67,6 +70,14 @@ impl View<'_> {
             level: self.level,
             rectangles: &self.lights.rectangles,
         }
+    }
+
+    /// The lobe of what a fragment of the mesh shows.
+    pub(super) fn lobe(&self, fragment: &Fragment, point: &SurfacePoint) -> Option<SeenLobe<'_>> {
+        let triangle = &self.surface.mesh.triangles[fragment.triangle as usize];
+        let glossy = self.glossy.of(triangle.material)?;
+        let frame = ViewedFrame::of(point.normal, self.to_eye(point));
+        Some(SeenLobe { glossy, frame })
     }
 
     /// Unit direction from a seen point to the eye.
@@ -94,6 +105,10 @@ pub(crate) fn draw(
     go_on()?;
     let (sites, direct) = kept.direct(view, stages, &go_on)?;
     go_on()?;
+    let gathered = match view.gather {
+        Some(light) => stages.time("gather", || at_sites(view, light, sites, progress))?,
+        None => Vec::new(),
+    };
     let shading = Shading {
         view,
         paint: Paint {
@@ -103,6 +118,7 @@ pub(crate) fn draw(
         },
         sites,
         direct: &direct,
+        gathered: &gathered,
     };
     let picture = stages.time("shade", || shading.picture());
     go_on()?;
@@ -114,6 +130,8 @@ struct Shading<'a> {
     paint: Paint<'a>,
     sites: &'a Sites,
     direct: &'a DirectLight,
+    /// What a final gather found by site; empty where none was made.
+    gathered: &'a [Gathered],
 }
 
 impl Shading<'_> {
@@ -159,7 +177,7 @@ impl Shading<'_> {
             return (self.no_surface(pixel, fragment), false);
         };
         let colours = self.colours(fragment, Footprint::Pixel);
-        self.shaded(fragment, point, self.direct(pixel), colours)
+        self.shaded(fragment, point, pixel, colours)
     }
 
     /// A pixel of more than one surface: each is shaded once, at its sample
@@ -178,7 +196,7 @@ impl Shading<'_> {
                 None => (self.no_surface(pixel, fragment), false),
                 Some(point) => {
                     let colours = self.colours_of_group(fragment, members(group, samples));
-                    self.shaded(fragment, &point, self.direct(site), colours)
+                    self.shaded(fragment, &point, site, colours)
                 }
             };
             value += shade * share(group.members.count_ones());
@@ -242,34 +260,40 @@ impl Shading<'_> {
         view.lights.sky_radiance(camera.direction(x, y), spread_rad)
     }
 
-    /// Value of a fragment under direct irradiance and radiance by its lobe.
+    /// Value of a fragment under the light of a site.
     fn shaded(
         &self,
         fragment: &Fragment,
         point: &SurfacePoint,
-        [direct, reflected]: [Vec3; 2],
+        site: usize,
         [albedo, emission]: [Vec3; 2],
     ) -> (Vec3, bool) {
         let view = self.view;
+        let [direct, reflected] = self.direct(site);
+        let gathered = self.gathered.get(site);
+        let [indirect, sky] = match gathered {
+            Some(gathered) => [gathered.indirect, gathered.sky],
+            None => [view.indirect, view.sky].map(|light| self.interpolated(fragment, light)),
+        };
         let material = view.surface.mesh.triangles[fragment.triangle as usize].material;
         let lobe = view.glossy.of(material);
         let lobe = lobe.map(|it| {
-            (
-                it,
-                ViewedFrame::of(self.vertex_normal(fragment, point), view.to_eye(point)),
-            )
+            let normal = self.vertex_normal(fragment, point);
+            (it, ViewedFrame::of(normal, view.to_eye(point)))
         });
         let lobe_albedo = lobe.map_or(Vec3::ZERO, |(it, frame)| it.albedo(frame.cosine));
-        let glossy = lobe.and_then(|(it, frame)| {
+        let by_slices = || {
+            let (it, frame) = lobe?;
             let corners = self.corners(fragment);
             let light = view.glossy_light?.at(corners, fragment.barycentrics)?;
-            Some(clamped(it.reflected(&frame, &light)))
-        });
-        let (glossy, glossy_dark) = glossy.unwrap_or_default();
-        let (indirect, dark) = clamped(self.interpolated(fragment, view.indirect));
+            Some(it.reflected(&frame, &light))
+        };
+        let glossy = gathered.map(|it| it.glossy).or_else(by_slices);
+        let (glossy, glossy_dark) = clamped(glossy.unwrap_or(Vec3::ZERO));
+        let (indirect, dark) = clamped(indirect);
         let (approximated, darker) = clamped(self.interpolated(fragment, view.approximated));
         let shaded = Shaded {
-            direct: direct + self.interpolated(fragment, view.sky),
+            direct: direct + sky,
             indirect,
             approximated,
             emission,

@@ -94,6 +94,7 @@ fn direct_and_indirect_add_up_to_global() {
         &["--bounces", "4"],
         &["--bounces", "all"],
         &["--set", "light.lamp.intensity=[0.9,0,0.1]"],
+        &["--quality", "gather"],
     ] {
         let gap = largest_gap(folder.path(), arguments);
         assert!(

@@ -52,7 +52,7 @@ fn a_report_has_both_schemes_and_sane_figures() {
         number(&object["frames"]["frames_per_second"]) > 0.0,
         "both were asked for"
     );
-    for component in ["global", "indirect"] {
+    for component in ["global", "indirect", "global_gather", "indirect_gather"] {
         let image = &object["images"][component];
         let error = number(&image["pixels"]["relative_rmse"]);
         assert!(

@@ -48,6 +48,8 @@ fn wrong_values_on_the_command_line() {
     let numbers = ["basis:0", "basis:3.0"];
     refused(&["--component", "basis:low"], USAGE, &numbers);
     refused(&["--component", "basis"], USAGE, &numbers);
+    let qualities = ["gathr", "standard and gather"];
+    refused(&["--quality", "gathr"], USAGE, &qualities);
     refused(&["--size", "320"], USAGE, &["320", "WxH", "320x240"]);
     refused(&["--size", "0x30"], USAGE, &["0x30", "1 to 16384"]);
     refused(&["--size", "20000x30"], USAGE, &["16384"]);

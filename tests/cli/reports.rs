@@ -28,6 +28,24 @@ fn assert_keys(object: &Value, keys: &[&str]) {
 }
 
 #[test]
+fn a_gather_is_named_and_timed() {
+    let folder = temporary_folder();
+    let arguments = ["--json", "--quality", "gather"];
+    let mut command = render_box_command(folder.path(), "frame.png", &arguments);
+    let object = succeed(&mut command).json();
+    assert_eq!(object["quality"], "gather", "{object}");
+    assert!(object["ms"]["gather"].as_f64() > Some(0.0), "{object}");
+    let file = std::fs::read(folder.path().join("frame.png")).expect("the frame is there");
+    let text = String::from_utf8_lossy(&file);
+    assert!(text.contains("relume:quality\0gather"), "no such chunk");
+
+    let mut command = render_box_command(folder.path(), "frame.png", &["--json"]);
+    let object = succeed(&mut command).json();
+    assert_eq!(object["quality"], "standard", "{object}");
+    assert_eq!(object["ms"].get("gather"), None, "{object}");
+}
+
+#[test]
 fn render_prints_one_object_with_the_contracts_keys() {
     let folder = temporary_folder();
     let finished = succeed(&mut render_box_command(

@@ -2,6 +2,7 @@
 
 use super::{in_percent, percent, table};
 use crate::measure::frame_errors::Compared;
+use crate::measure::report::named;
 use crate::relight::COMPONENTS;
 use crate::report::{Axis, Block, Cell, Column, Mark, Plot, Row, Series, Style};
 
@@ -13,11 +14,11 @@ pub(in crate::measure) fn image_errors(compared: &[Compared]) -> Block {
     let mut rows = Vec::new();
     for it in compared {
         for (means, rms) in MEANS.into_iter().zip(it.rms) {
-            let mut cells = vec![it.component_name().into(), means.into()];
+            let mut cells = vec![it.name().into(), means.into()];
             cells.extend([rms.found, rms.noise, rms.corrected()].map(in_percent));
             rows.push(Row::plain(cells));
         }
-        let mut cells = vec![it.component_name().into(), "whole picture (bias)".into()];
+        let mut cells = vec![it.name().into(), "whole picture (bias)".into()];
         cells.extend([it.bias, it.bias_noise].map(in_percent));
         cells.push(Cell::Missing);
         rows.push(Row::plain(cells));
@@ -40,7 +41,7 @@ pub(in crate::measure) fn image_errors(compared: &[Compared]) -> Block {
 /// Errors of the frames as an observer sees them.
 pub(in crate::measure) fn image_flip(compared: &[Compared]) -> Block {
     let row = |it: &Compared| {
-        let mut cells = vec![it.component_name().into()];
+        let mut cells = vec![it.name().into()];
         let flip = [it.flip.mean(), it.flip.percentile(95.0), it.flip_of_halves];
         cells.extend(flip.map(Cell::Number));
         Row::plain(cells)
@@ -66,7 +67,7 @@ pub(in crate::measure) fn image_times(compared: &[Compared], bake_seconds: f64) 
         for (which, means) in MEANS.into_iter().enumerate() {
             let paths = &it.paths[which];
             rows.push(Row::plain(vec![
-                it.component_name().into(),
+                it.name().into(),
                 means.into(),
                 in_percent(it.rms[which].corrected()),
                 in_percent(paths.error_of_one),
@@ -107,7 +108,7 @@ pub(in crate::measure) fn path_errors(compared: &[Compared]) -> Block {
     for it in compared {
         for (which, means) in ["pixels", "8 x 8"].into_iter().enumerate() {
             let paths = &it.paths[which];
-            let label = format!("{}, {means}", it.component_name());
+            let label = format!("{}, {means}", it.name());
             marks.push(Mark {
                 label: format!("frame: {label}"),
                 x: paths.samples,
@@ -133,6 +134,11 @@ pub(in crate::measure) fn path_errors(compared: &[Compared]) -> Block {
 }
 
 impl Compared {
+    /// What the frame shows, and how, unless it is as always.
+    pub(in crate::measure) fn name(&self) -> String {
+        named(self.component_name(), self.quality)
+    }
+
     pub(in crate::measure) fn component_name(&self) -> &'static str {
         let known = COMPONENTS.iter();
         let found = known

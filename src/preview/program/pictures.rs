@@ -12,7 +12,7 @@ use crate::preview::painter::{Drawn, Sharpness, Wish};
 use crate::preview::panel;
 use crate::preview::prepare::Wanted;
 use crate::preview::view::View;
-use crate::relight::{Effort, FrameSettings};
+use crate::relight::{Effort, FrameSettings, Quality};
 use crate::scene::Camera;
 
 impl Program {
@@ -91,6 +91,7 @@ impl Program {
                 light_samples: document.render.light_samples,
                 component: document.component,
                 effort: Effort::Full,
+                quality: Quality::Standard,
             },
             exposure: document.render.exposure,
             tone: document.render.tone,

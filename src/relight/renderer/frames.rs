@@ -10,6 +10,7 @@ use crate::relight::basis_view::BasisView;
 use crate::relight::bounces::{BounceError, Transport};
 use crate::relight::component::Component;
 use crate::relight::frame::{Frame, FrameSettings};
+use crate::relight::gather::{GatherLight, LitVertices};
 use crate::relight::glossy_light::GlossyLight;
 use crate::relight::kept::OnVertices;
 use crate::relight::shade::{View, draw};
@@ -63,6 +64,7 @@ impl Renderer {
             sky: &at_vertices.sky,
             indirect: &at_vertices.indirect,
             glossy_light: at_vertices.glossy.as_deref(),
+            gather: at_vertices.gather.as_ref(),
             approximated: &at_vertices.approximated,
             basis: at_vertices.basis.as_ref(),
             component: settings.component,
@@ -122,6 +124,16 @@ impl Renderer {
                 self.transport(run).projected(&source)
             });
         }
+        if settings.gathers() {
+            let at_vertices = settings
+                .needs_bounces()
+                .then(|| stages.time("bounces", || self.lit_vertices(settings.bounces, run)));
+            found.gather = Some(GatherLight {
+                has_sky: settings.gathers_sky(lights),
+                at_vertices: at_vertices.transpose()?,
+            });
+            return Ok(found);
+        }
         let mut outgoing = None;
         if settings.needs_bounces() {
             let bounced = stages.time("bounces", || self.bounce(settings.bounces, run))?;
@@ -140,6 +152,23 @@ impl Renderer {
             }));
         }
         Ok(found)
+    }
+
+    /// What the rays of a final gather read of the vertices; they are the last
+    /// bounce themselves.
+    fn lit_vertices(
+        &mut self,
+        bounces: Bounces,
+        run: &RunSettings,
+    ) -> Result<LitVertices, BounceError> {
+        let before = match bounces {
+            Bounces::Count(count) => Bounces::Count(count.saturating_sub(1)),
+            Bounces::All => Bounces::All,
+        };
+        let bounced = Arc::clone(&self.bounce(before, run)?.irradiance);
+        let surface = &self.surface;
+        let (direct, sky) = self.kept.sum_and_sky(surface.vertices.len());
+        Ok(LitVertices::new(surface, direct, sky, &bounced))
     }
 
     /// Bounced light at the vertices from the kept direct light; that of the last
@@ -192,6 +221,8 @@ struct AtVertices {
     indirect: Arc<[Vec3]>,
     glossy: Option<Arc<GlossyLight>>,
     approximated: Vec<Vec3>,
+    /// What a final gather reads, where one is made.
+    gather: Option<GatherLight>,
     basis: Option<BasisView>,
     computed_lights: usize,
 }

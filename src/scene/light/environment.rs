@@ -98,6 +98,17 @@ impl PlacedEnvironment {
         }
     }
 
+    /// The same without the sun of a map, which is a light of its own.
+    pub(crate) fn radiance_without_sun(&self, direction: Vec3, spread_rad: f32) -> Vec3 {
+        match &self.radiance {
+            Radiance::Constant(_) => self.radiance(direction, spread_rad),
+            Radiance::Map(map) => {
+                let direction = self.map_from_world(direction);
+                bounded(map.radiance_without_sun(direction, spread_rad) * self.scale)
+            }
+        }
+    }
+
     /// H_m of the cells of the sky: pi x the mean radiance of each, W/m2. The
     /// sun of a map is left out; it is a light of its own.
     pub(crate) fn cells(&self) -> Vec<Vec3> {

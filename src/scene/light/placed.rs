@@ -98,6 +98,13 @@ impl PlacedLights {
             sum + sky.radiance(direction, spread_rad)
         })
     }
+
+    /// The same without the suns of maps, which are lights of their own.
+    pub(crate) fn sky_without_suns(&self, direction: Vec3, spread_rad: f32) -> Vec3 {
+        self.skies.iter().fold(Vec3::ZERO, |sum, sky| {
+            sum + sky.radiance_without_sun(direction, spread_rad)
+        })
+    }
 }
 
 /// Front sides of the file's triangles that emit; of triangles with the same
