@@ -3,6 +3,8 @@
 use std::io::Write;
 use std::path::Path;
 
+use glam::Vec3;
+
 use super::file::{decode, encode};
 use super::key::BakeKey;
 use super::{Bake, BakeError, BakeSettings, RunSettings, bake};
@@ -26,17 +28,23 @@ pub(crate) struct Baked {
     pub(crate) warnings: Vec<String>,
 }
 
+/// Albedo of every vertex of a surface, which may or may not have its back sides
+/// yet.
+pub(crate) type AlbedoOf<'a> = &'a dyn Fn(&Surface) -> Vec<Vec3>;
+
 /// Takes the bake of a surface (whose back sides do not exist yet) from the
 /// folder, or makes it and puts it there; then adds the back sides. Without a
 /// folder, nothing is read or written. A file that cannot be used or written
-/// is a warning: the bake itself is never in doubt.
+/// is a warning: the bake itself is never in doubt. With a fixed albedo all
+/// bounces are folded under it; a bake without, if it is there, saves the rest.
 pub(crate) fn load_or_bake(
     surface: &mut Surface,
     settings: &BakeSettings,
+    fixed_albedo: Option<AlbedoOf>,
     folder: Option<&Path>,
     run: &RunSettings,
 ) -> Result<Baked, BakeError> {
-    let key = BakeKey::of(surface, settings);
+    let key = key_of(surface, settings, fixed_albedo);
     let path = folder.map(|folder| folder.join(key.file_name()));
     let mut warnings = Vec::new();
     match load(surface, &key, path.as_deref()) {
@@ -47,7 +55,17 @@ pub(crate) fn load_or_bake(
         Ok(None) => {}
         Err(problem) => warnings.push(format!("{problem}; baking anew")),
     }
-    let bake = bake(surface, settings, run)?;
+    let unfolded = match fixed_albedo {
+        Some(_) => load_stored(surface, settings, None, folder).unwrap_or_default(),
+        None => None,
+    };
+    let mut bake = match unfolded {
+        Some(unfolded) => unfolded.bake,
+        None => bake(surface, settings, run)?,
+    };
+    if let Some(albedo_of) = fixed_albedo {
+        bake.fold(surface, &albedo_of(surface), run)?;
+    }
     warnings.extend(bake.stats().shortfall());
     let bytes = encode(&bake, &key);
     if let Some(path) = &path
@@ -72,11 +90,20 @@ pub(crate) fn load_or_bake(
 pub(crate) fn load_stored(
     surface: &mut Surface,
     settings: &BakeSettings,
+    fixed_albedo: Option<AlbedoOf>,
     folder: Option<&Path>,
 ) -> Result<Option<Baked>, String> {
-    let key = BakeKey::of(surface, settings);
+    let key = key_of(surface, settings, fixed_albedo);
     let path = folder.map(|folder| folder.join(key.file_name()));
     load(surface, &key, path.as_deref())
+}
+
+fn key_of(surface: &Surface, settings: &BakeSettings, fixed_albedo: Option<AlbedoOf>) -> BakeKey {
+    let key = BakeKey::of(surface, settings);
+    match fixed_albedo {
+        Some(albedo_of) => key.with_albedo(&albedo_of(surface)),
+        None => key,
+    }
 }
 
 fn load(

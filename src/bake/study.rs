@@ -182,6 +182,7 @@ impl<'a> Study<'a> {
             basis,
             operator,
             sky: None,
+            folded: None,
             stats: BakeStats::default(),
         })
     }

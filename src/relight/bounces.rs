@@ -71,6 +71,13 @@ impl Transport<'_> {
         Ok(self.at_vertices(&irradiance))
     }
 
+    /// The same of all bounces by the bake's operator for them; `None` without. The
+    /// albedo is the one that they were folded under.
+    pub(crate) fn solve_folded(&self, source: &[Vec3]) -> Option<Vec<Vec3>> {
+        let irradiance = self.bake.all_bounces(self.level, &self.in_slots(source))?;
+        Some(self.at_vertices(&irradiance))
+    }
+
     /// S S^T B at every vertex: what projection on the basis leaves of a field.
     /// It may be negative where B is not.
     pub(crate) fn projected(&self, radiosity: &[Vec3]) -> Vec<Vec3> {

@@ -18,6 +18,13 @@ pub(crate) struct VertexColours {
 }
 
 impl VertexColours {
+    /// The means as the scene is now.
+    pub(crate) fn new(scene: &Scene, surface: &Surface) -> Self {
+        let mut colours = Self::default();
+        colours.update(scene, surface);
+        colours
+    }
+
     /// Brings the means up to date.
     pub(crate) fn update(&mut self, scene: &Scene, surface: &Surface) {
         let maps = scene.materials.iter().map(|m| m.albedo_map.clone());

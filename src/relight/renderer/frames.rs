@@ -33,7 +33,8 @@ impl Renderer {
     }
 
     /// The same with what there is: without a bake, the light that it would bring
-    /// is left out, bounced light and the sky's.
+    /// is left out, bounced light and the sky's; bounces that are folded under
+    /// another albedo are carried out one by one.
     ///
     /// # Errors
     /// As [`Self::frame`], but for those of a bake.
@@ -135,7 +136,15 @@ impl Renderer {
         {
             return Ok(last.irradiance.clone());
         }
-        let irradiance: Arc<[Vec3]> = self.transport(run).solve(&source, &albedo, bounces)?.into();
+        let transport = self.transport(run);
+        let folded = match bounces {
+            Bounces::All if self.is_folded() => transport.solve_folded(&source),
+            _ => None,
+        };
+        let irradiance: Arc<[Vec3]> = match folded {
+            Some(irradiance) => irradiance.into(),
+            None => transport.solve(&source, &albedo, bounces)?.into(),
+        };
         self.bounced = Some(Bounced {
             of_direct: version,
             bounces,
