@@ -36,7 +36,8 @@ pub(crate) type AlbedoOf<'a> = &'a dyn Fn(&Surface) -> Vec<Vec3>;
 /// folder, or makes it and puts it there; then adds the back sides. Without a
 /// folder, nothing is read or written. A file that cannot be used or written
 /// is a warning: the bake itself is never in doubt. With a fixed albedo all
-/// bounces are folded under it; a bake without, if it is there, saves the rest.
+/// bounces are folded under it; the bake without is stored beside, so that
+/// another albedo costs the folding alone.
 pub(crate) fn load_or_bake(
     surface: &mut Surface,
     settings: &BakeSettings,
@@ -55,18 +56,19 @@ pub(crate) fn load_or_bake(
         Ok(None) => {}
         Err(problem) => warnings.push(format!("{problem}; baking anew")),
     }
-    let unfolded = match fixed_albedo {
-        Some(_) => load_stored(surface, settings, None, folder).unwrap_or_default(),
-        None => None,
+    let bake = match fixed_albedo {
+        Some(albedo_of) => {
+            let mut unfolded = load_or_bake(surface, settings, None, folder, run)?;
+            warnings.append(&mut unfolded.warnings);
+            unfolded.bake.fold(surface, &albedo_of(surface), run)?;
+            unfolded.bake
+        }
+        None => {
+            let bake = bake(surface, settings, run)?;
+            warnings.extend(bake.stats().shortfall());
+            bake
+        }
     };
-    let mut bake = match unfolded {
-        Some(unfolded) => unfolded.bake,
-        None => bake(surface, settings, run)?,
-    };
-    if let Some(albedo_of) = fixed_albedo {
-        bake.fold(surface, &albedo_of(surface), run)?;
-    }
-    warnings.extend(bake.stats().shortfall());
     let bytes = encode(&bake, &key);
     if let Some(path) = &path
         && let Err(error) = write(path, &bytes)

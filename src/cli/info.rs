@@ -65,6 +65,7 @@ fn object(outlook: &Outlook) -> Value {
         "bake_bytes": bake.bytes,
         "row_bytes": bake.row_bytes,
         "sky_bytes": bake.sky_bytes,
+        "folded_bytes": bake.folded_bytes,
         "peak_bytes": bake.peak_bytes + contents.images.bytes,
         "bake_seconds": bake.seconds,
         "size": outlook.frame.camera.size,
@@ -216,7 +217,13 @@ fn basis_text(bake: &BakeForecast) -> String {
 
 fn bake_text(outlook: &Outlook) -> String {
     let bake = &outlook.bake;
-    let rows = format!("{} of it rows", megabytes(bake.row_bytes + bake.sky_bytes));
+    let mut rows = format!("{} of it rows", megabytes(bake.row_bytes + bake.sky_bytes));
+    if bake.folded_bytes > 0 {
+        rows.push_str(&format!(
+            " and {} all bounces",
+            megabytes(bake.folded_bytes)
+        ));
+    }
     if bake.cached {
         return format!("cached, {}, {rows}: nothing to do", megabytes(bake.bytes));
     }

@@ -92,6 +92,10 @@ pub(super) fn add_figures(object: &mut Value, figures: &SceneFigures) {
             },
             "noise_of_truth": bake.stats.errors.truth.mean,
         });
+        if let Some(folding) = bake.stats.folding {
+            object["folded_bytes"] = json!(bake.folded_bytes);
+            object["bake"]["error_of_folding"] = errors(&folding);
+        }
     }
 }
 
@@ -105,6 +109,14 @@ pub(super) fn errors(errors: &LightErrors) -> Value {
     })
 }
 
+/// What is to be said of folded bounces.
+fn folding_text(bake: &BakeFigures) -> String {
+    bake.stats.folding.map_or(String::new(), |folding| {
+        let percent = folding.mean * 100.0;
+        format!(", all bounces folded within {percent:.2} %")
+    })
+}
+
 /// One sentence on a scene and its bake.
 pub(super) fn figures_text(figures: &SceneFigures) -> String {
     let mesh = format!(
@@ -114,11 +126,12 @@ pub(super) fn figures_text(figures: &SceneFigures) -> String {
     match figures.bake {
         None => mesh,
         Some(bake) => format!(
-            "{mesh}, {} functions, {:.0} coefficients a vertex, indirect light within {:.1} %, \
+            "{mesh}, {} functions, {:.0} coefficients a vertex, indirect light within {:.1} %{}, \
              bake of {:.1} MB {}",
             bake.functions,
             bake.coefficients_per_vertex,
             bake.stats.errors.total.mean * 100.0,
+            folding_text(&bake),
             bake.bytes as f64 / 1e6,
             if bake.cached {
                 "from the cache"

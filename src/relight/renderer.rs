@@ -18,13 +18,13 @@ use super::lit_sites::KeptPictures;
 use super::outlook::{Outlook, SceneContents};
 use super::seen::SeenSurfaces;
 use super::stages::Stages;
-use fixed_albedo::FixedAlbedo;
 use crate::bake::{
-    self, AlbedoOf, Bake, BakeError, BakeForecast, BakeSettings, BakeStats, CacheOutcome, RunSettings,
-    Scheme, escaped_share_of_fronts, forecast, load_or_bake, load_stored,
+    self, AlbedoOf, Bake, BakeError, BakeForecast, BakeSettings, BakeStats, CacheOutcome,
+    RunSettings, Scheme, escaped_share_of_fronts, forecast, load_or_bake, load_stored,
 };
 use crate::scene::{Bounces, Light, LightKind, Scene};
 use crate::surface::{Detail, Surface};
+use fixed_albedo::FixedAlbedo;
 
 /// Why there is no frame.
 #[derive(Debug, Error)]
@@ -176,7 +176,8 @@ impl Renderer {
         let settings = BakeSettings::of_scheme(self.scheme, &self.scene.bake);
         let (surface, folder) = (&mut self.surface, self.cache_folder.as_deref());
         let scene = &self.scene;
-        let albedo_of = |surface: &Surface| VertexColours::new(scene, surface).albedo(scene, surface);
+        let albedo_of =
+            |surface: &Surface| VertexColours::new(scene, surface).albedo(scene, surface);
         let albedo: Option<AlbedoOf> = fixed_albedo.as_ref().map(|_| &albedo_of as AlbedoOf);
         let baked = self.stages.time("bake", || {
             load_or_bake(surface, &settings, albedo, folder, run)
@@ -197,9 +198,10 @@ impl Renderer {
         if self.baked.is_none() {
             self.load(&settings);
         }
+        let folds = self.fixed_albedo().is_some();
         let bake = match &self.baked {
             Some(baked) => BakeForecast::of(&baked.bake, baked.file_bytes),
-            None => forecast(&mut self.surface, &settings, run)?,
+            None => forecast(&mut self.surface, &settings, folds, run)?,
         };
         Ok(Outlook {
             contents: SceneContents::of(&self.scene, &self.surface),
@@ -217,7 +219,8 @@ impl Renderer {
         let fixed_albedo = self.fixed_albedo();
         let (surface, folder) = (&mut self.surface, self.cache_folder.as_deref());
         let scene = &self.scene;
-        let albedo_of = |surface: &Surface| VertexColours::new(scene, surface).albedo(scene, surface);
+        let albedo_of =
+            |surface: &Surface| VertexColours::new(scene, surface).albedo(scene, surface);
         let albedo: Option<AlbedoOf> = fixed_albedo.as_ref().map(|_| &albedo_of as AlbedoOf);
         let stored = self
             .stages
@@ -248,6 +251,11 @@ impl Renderer {
     /// one whose fixed albedo is another now.
     pub fn needs_bake(&self, settings: &FrameSettings) -> bool {
         (self.baked.is_none() && self.reads_bake(settings)) || self.needs_folding(settings)
+    }
+
+    /// Whether there is a bake, whatever it lacks.
+    pub(crate) fn has_bake(&self) -> bool {
+        self.baked.is_some()
     }
 
     /// Whether a frame depends on the bake.

@@ -35,10 +35,11 @@ use crate::bake::excitation::Excitation;
 use crate::bake::operator::receiver_groups;
 use crate::bake::places::Places;
 use crate::bake::rows::GroupRows;
+use crate::bake::test_lights::LIGHTS;
 use crate::bake::transfer::GROUP;
 use crate::bake::{BakeError, LightErrors, RunSettings, prior};
 use crate::simd::Level;
-use columns::Columns;
+use columns::{Columns, PATTERNS, RANDOM_LIGHTS};
 use rayon::prelude::*;
 use series::Series;
 
@@ -84,7 +85,10 @@ impl Folded {
             .with_min_len(crate::bake::GROUPS_PER_TASK)
             .map(|group| {
                 let mut sums = near.rows.gather_near(level, group, source);
-                let rest = self.beyond_near.rows.gather_functions(level, group, &arriving);
+                let rest = self
+                    .beyond_near
+                    .rows
+                    .gather_functions(level, group, &arriving);
                 for (sum, rest) in sums.as_flattened_mut().iter_mut().zip(rest.as_flattened()) {
                     *sum += rest;
                 }
@@ -109,6 +113,18 @@ impl Folded {
     pub(crate) fn bytes(&self) -> usize {
         self.beyond_near.bytes()
     }
+}
+
+/// Solutions of endless bounces that folding takes, with those that its error is
+/// found by.
+pub(in crate::bake) fn solutions_to_fold(functions: usize) -> usize {
+    functions + RANDOM_LIGHTS + LIGHTS
+}
+
+/// Most memory that folding takes: three coordinates of every function in the
+/// patterns of every partition.
+pub(in crate::bake) fn folding_bytes(partitions: usize, functions: usize) -> usize {
+    partitions * 3 * functions * PATTERNS * size_of::<f32>()
 }
 
 /// A coefficient of red, green or blue for each function of the three.
@@ -229,8 +245,7 @@ impl FoldTask<'_> {
                 components: found,
             }
         };
-        let parts: Vec<QuantisedPart> =
-            factors.into_par_iter().enumerate().map(of_part).collect();
+        let parts: Vec<QuantisedPart> = factors.into_par_iter().enumerate().map(of_part).collect();
         join(parts, sigma, 0, receiver_groups(basis))
     }
 }

@@ -22,7 +22,7 @@ mod sampled;
 mod smooth;
 
 pub(crate) use folded::Folded;
-pub(super) use folded::FoldTask;
+pub(super) use folded::{FoldTask, folding_bytes, solutions_to_fold};
 pub(super) use part::Budget;
 #[cfg(test)]
 pub(super) use part::{NEAR_SHARE, NOISE_COUNTS};

@@ -47,7 +47,11 @@ impl Renderer {
     /// Folds the bounces of the bake under the albedo as it is now.
     pub(super) fn fold_anew(&mut self, run: &RunSettings) -> Result<(), BakeError> {
         let fixed_albedo = self.fixed_albedo();
-        let Some(baked) = self.baked.as_mut().filter(|it| it.fixed_albedo != fixed_albedo) else {
+        let Some(baked) = self
+            .baked
+            .as_mut()
+            .filter(|it| it.fixed_albedo != fixed_albedo)
+        else {
             return Ok(());
         };
         let (scene, surface) = (&self.scene, &self.surface);

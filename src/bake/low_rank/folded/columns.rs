@@ -11,7 +11,9 @@ use crate::maths::hash::uniform;
 
 /// Random lights that patterns are found from, three channels each. A partition
 /// keeps some 30 to 60 patterns of the 3 x 40 that they span.
-const RANDOM_LIGHTS: usize = 40;
+pub(super) const RANDOM_LIGHTS: usize = 40;
+/// Patterns of a partition, at most.
+pub(super) const PATTERNS: usize = 3 * RANDOM_LIGHTS;
 /// Seed of these.
 const SEED: u32 = 0xf01d;
 /// Functions that are solved before their columns are forgotten: 12 B a vertex
@@ -86,7 +88,7 @@ impl Columns<'_> {
         };
         let of_part = |part: u32| {
             let slots = basis.slot_range(part);
-            let width = (3 * RANDOM_LIGHTS).min(slots.len());
+            let width = PATTERNS.min(slots.len());
             let rows = slots.clone().flat_map(|slot| {
                 let root = self.roots_of_area[slot];
                 answers
@@ -95,7 +97,7 @@ impl Columns<'_> {
             });
             let sampled = Matrix {
                 rows: slots.len(),
-                columns: 3 * RANDOM_LIGHTS,
+                columns: PATTERNS,
                 values: rows.collect(),
             };
             orthonormal(&sampled, width)
