@@ -90,6 +90,7 @@ mod direct_flux;
 mod emitters;
 mod enclosures;
 mod finite;
+mod folded;
 mod kept;
 mod maps;
 mod messy;
