@@ -86,8 +86,7 @@ impl ErrorParts {
 
     /// All figures, for a file.
     pub(super) fn numbers(&self) -> Vec<f64> {
-        let of = |e: LightErrors| [e.mean, e.p95, e.worst, e.signed];
-        self.all().into_iter().flat_map(of).collect()
+        self.all().iter().flat_map(LightErrors::numbers).collect()
     }
 
     /// What [`Self::numbers`] gave; `None` if these are not so many.
@@ -95,12 +94,7 @@ impl ErrorParts {
         let (groups, []) = numbers.as_chunks::<4>() else {
             return None;
         };
-        let of = |&[mean, p95, worst, signed]: &[f64; 4]| LightErrors {
-            mean,
-            p95,
-            worst,
-            signed,
-        };
+        let of = LightErrors::of_numbers;
         let [total, noise, basis, compression, truth] = groups else {
             return None;
         };
@@ -183,6 +177,25 @@ pub(crate) fn relative_error(values: impl Iterator<Item = (f64, f32, f32)>) -> O
 }
 
 impl LightErrors {
+    /// All figures, for a file.
+    pub(super) fn numbers(&self) -> [f64; 4] {
+        [self.mean, self.p95, self.worst, self.signed]
+    }
+
+    /// What [`Self::numbers`] gave; `None` if these are not so many.
+    pub(super) fn from_numbers(numbers: &[f64]) -> Option<Self> {
+        numbers.try_into().ok().map(Self::of_numbers)
+    }
+
+    fn of_numbers(&[mean, p95, worst, signed]: &[f64; 4]) -> Self {
+        Self {
+            mean,
+            p95,
+            worst,
+            signed,
+        }
+    }
+
     /// Statistics over the lights that arrive.
     pub(crate) fn of(errors: &[Option<[f64; 2]>; LIGHTS]) -> Self {
         let found: Vec<[f64; 2]> = errors.iter().copied().flatten().collect();

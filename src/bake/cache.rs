@@ -3,6 +3,8 @@
 use std::io::Write;
 use std::path::Path;
 
+use glam::Vec3;
+
 use super::file::{decode, encode};
 use super::key::BakeKey;
 use super::{Bake, BakeError, BakeSettings, RunSettings, bake};
@@ -26,17 +28,24 @@ pub(crate) struct Baked {
     pub(crate) warnings: Vec<String>,
 }
 
+/// Albedo of every vertex of a surface, which may or may not have its back sides
+/// yet.
+pub(crate) type AlbedoOf<'a> = &'a dyn Fn(&Surface) -> Vec<Vec3>;
+
 /// Takes the bake of a surface (whose back sides do not exist yet) from the
 /// folder, or makes it and puts it there; then adds the back sides. Without a
 /// folder, nothing is read or written. A file that cannot be used or written
-/// is a warning: the bake itself is never in doubt.
+/// is a warning: the bake itself is never in doubt. With a fixed albedo all
+/// bounces are folded under it; the bake without is stored beside, so that
+/// another albedo costs the folding alone.
 pub(crate) fn load_or_bake(
     surface: &mut Surface,
     settings: &BakeSettings,
+    fixed_albedo: Option<AlbedoOf>,
     folder: Option<&Path>,
     run: &RunSettings,
 ) -> Result<Baked, BakeError> {
-    let key = BakeKey::of(surface, settings);
+    let key = key_of(surface, settings, fixed_albedo);
     let path = folder.map(|folder| folder.join(key.file_name()));
     let mut warnings = Vec::new();
     match load(surface, &key, path.as_deref()) {
@@ -47,8 +56,19 @@ pub(crate) fn load_or_bake(
         Ok(None) => {}
         Err(problem) => warnings.push(format!("{problem}; baking anew")),
     }
-    let bake = bake(surface, settings, run)?;
-    warnings.extend(bake.stats().shortfall());
+    let bake = match fixed_albedo {
+        Some(albedo_of) => {
+            let mut unfolded = load_or_bake(surface, settings, None, folder, run)?;
+            warnings.append(&mut unfolded.warnings);
+            unfolded.bake.fold(surface, &albedo_of(surface), run)?;
+            unfolded.bake
+        }
+        None => {
+            let bake = bake(surface, settings, run)?;
+            warnings.extend(bake.stats().shortfall());
+            bake
+        }
+    };
     let bytes = encode(&bake, &key);
     if let Some(path) = &path
         && let Err(error) = write(path, &bytes)
@@ -72,11 +92,20 @@ pub(crate) fn load_or_bake(
 pub(crate) fn load_stored(
     surface: &mut Surface,
     settings: &BakeSettings,
+    fixed_albedo: Option<AlbedoOf>,
     folder: Option<&Path>,
 ) -> Result<Option<Baked>, String> {
-    let key = BakeKey::of(surface, settings);
+    let key = key_of(surface, settings, fixed_albedo);
     let path = folder.map(|folder| folder.join(key.file_name()));
     load(surface, &key, path.as_deref())
+}
+
+fn key_of(surface: &Surface, settings: &BakeSettings, fixed_albedo: Option<AlbedoOf>) -> BakeKey {
+    let key = BakeKey::of(surface, settings);
+    match fixed_albedo {
+        Some(albedo_of) => key.with_albedo(&albedo_of(surface)),
+        None => key,
+    }
 }
 
 fn load(

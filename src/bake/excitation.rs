@@ -18,6 +18,21 @@ impl Excitation {
         }
     }
 
+    /// For the functions of red, then those of green and of blue.
+    pub(super) fn of_channels(basis: &Basis) -> Self {
+        Self {
+            squares: vec![0.0; 3 * basis.function_count()],
+        }
+    }
+
+    /// Adds a light by its coefficients.
+    pub(super) fn add_channels(&mut self, light: &[[f32; 3]]) {
+        let of_channels = (0..3).flat_map(|channel| light.iter().map(move |b| b[channel]));
+        for (square, c) in self.squares.iter_mut().zip(of_channels) {
+            *square += f64::from(c) * f64::from(c);
+        }
+    }
+
     pub(super) fn add(&mut self, basis: &Basis, level: Level, brightness: &[f32]) {
         let in_slots: Vec<[f32; 3]> = basis
             .vertex_of_slot()

@@ -3,15 +3,15 @@
 //! magic, format version, key, length and checksum of the payload, payload.
 //! The payload is a sequence of lists of little-endian numbers, each behind its
 //! length; the first names the scheme, which decides what lists the transfer
-//! has. A later version appends lists (the low-rank remainder of the design) and
-//! raises the version.
+//! has. What not every bake has comes last: the sky, then folded bounces, which
+//! begin with a name. A later version appends lists and raises the version.
 
 use thiserror::Error;
 
-use super::audit::ErrorParts;
+use super::audit::{ErrorParts, LightErrors};
 use super::basis::Basis;
 use super::key::BakeKey;
-use super::low_rank::LowRank;
+use super::low_rank::{Folded, LowRank};
 use super::paper::PaperRows;
 use super::rows::{Columns, Indices, Rows};
 use super::scheme::{Operator, Partitioner, Scheme};
@@ -25,6 +25,9 @@ const FORMAT_VERSION: u32 = 7;
 /// Named behind the scheme where a bake has slices: one without has no byte for
 /// them.
 const SLICES_PART: u8 = 1;
+/// What folded bounces begin with: as the length of a list it would be beyond
+/// any memory, so it is not the sky's.
+const FOLDED: &[u8; 8] = b"folded\x1a\xff";
 /// Bytes before the payload: magic, version, key, length, checksum.
 const HEADER: usize = 8 + 4 + 32 + 8 + 32;
 
@@ -120,6 +123,11 @@ fn encode_payload(bake: &Bake) -> Vec<u8> {
     if let Some(sky) = &bake.sky {
         out.rows(sky.rows());
     }
+    if let Some(folded) = &bake.folded {
+        out.bytes.extend_from_slice(FOLDED);
+        out.list(&folded.errors.numbers());
+        out.low_rank(&folded.beyond_near);
+    }
     out.bytes
 }
 
@@ -203,7 +211,8 @@ fn decode_payload(payload: &[u8]) -> Result<Bake, FileError> {
         &[error] => Some(error),
         _ => return Err(FileError::Damaged),
     };
-    let stats = BakeStats {
+    let mut stats = BakeStats {
+        folding: None,
         error_asked,
         errors,
         scheme,
@@ -249,13 +258,15 @@ fn decode_payload(payload: &[u8]) -> Result<Bake, FileError> {
     } else {
         None
     };
-    let sky = if input.rest.is_empty() {
+    let sky = if input.rest.is_empty() || input.rest.starts_with(FOLDED) {
         None
     } else {
         let cells = super::sky::basis();
         let rows = input.rows(cells.slot_count(), cells.function_count(), slot_count)?;
         Some(Sky::new(cells, rows))
     };
+    let folded = input.folded(&operator, &basis)?.map(Box::new);
+    stats.folding = folded.as_ref().map(|folded| folded.errors);
     if input.rest.is_empty() {
         Ok(Bake {
             backs,
@@ -264,6 +275,7 @@ fn decode_payload(payload: &[u8]) -> Result<Bake, FileError> {
             operator,
             sky,
             slices,
+            folded,
             stats,
         })
     } else {
@@ -355,6 +367,22 @@ impl Reader<'_> {
         let checked = operator.check(slots, functions);
         checked.map_err(FileError::Inconsistent)?;
         Ok(operator)
+    }
+
+    /// Folded bounces, if what is left begins with them.
+    fn folded(&mut self, near: &Operator, basis: &Basis) -> Result<Option<Folded>, FileError> {
+        let (Some(rest), Operator::LowRank(near)) = (self.rest.strip_prefix(FOLDED), near) else {
+            return Ok(None);
+        };
+        self.rest = rest;
+        let errors = LightErrors::from_numbers(&self.list()?).ok_or(FileError::Damaged)?;
+        let folded = Folded {
+            errors,
+            beyond_near: self.low_rank(3 * basis.function_count(), basis.slot_count())?,
+        };
+        let checked = folded.check(near, basis);
+        checked.map_err(FileError::Inconsistent)?;
+        Ok(Some(folded))
     }
 
     /// Rows of `slot_count` receivers that name so many senders and functions.

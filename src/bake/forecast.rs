@@ -60,6 +60,8 @@ pub struct BakeForecast {
     pub glossy_vertices: usize,
     /// Bytes of their slices.
     pub slice_bytes: usize,
+    /// Bytes of the folded bounces, where the albedo is fixed; else 0.
+    pub folded_bytes: usize,
     /// Most memory that the program takes while it bakes or loads the bake,
     /// bytes, without the scene's images.
     pub peak_bytes: usize,
@@ -69,13 +71,14 @@ pub struct BakeForecast {
 }
 
 /// Forecasts the bake of a surface, whose back sides do not exist yet, and do
-/// not afterwards.
+/// not afterwards; `folds` if all bounces are to be folded.
 ///
 /// # Errors
 /// When cancelled.
 pub(crate) fn forecast(
     surface: &mut Surface,
     settings: &BakeSettings,
+    folds: bool,
     run: &RunSettings,
 ) -> Result<BakeForecast, BakeError> {
     run.progress.stage("pilot", 1);
@@ -84,7 +87,7 @@ pub(crate) fn forecast(
     let seconds_of_backs = start.elapsed().as_secs_f64() * times_as_many;
     let fronts = surface.vertices.clone();
     surface.add_backs(&backs);
-    let mut forecast = with_sides(surface, settings, run);
+    let mut forecast = with_sides(surface, settings, folds, run);
     surface.vertices = fronts;
     if run.progress.cancelled() {
         return Err(BakeError::Cancelled);
@@ -116,9 +119,26 @@ impl BakeForecast {
             sky_bytes: bake.sky_bytes(),
             glossy_vertices: bake.slices().map_or(0, Slices::vertex_count),
             slice_bytes: bake.slices().map_or(0, Slices::bytes),
+            folded_bytes: bake.folded_bytes(),
             peak_bytes: peak_bytes(vertices, file_bytes, LOADING_COPIES),
             seconds: 0.0,
         }
+    }
+}
+
+/// Bytes of folded bounces a vertex.
+const FOLDED_BYTES_A_VERTEX: f64 = 125.0;
+/// Time of one endless solution for each vertex, in rays of the transfer.
+const RAYS_OF_SOLUTION: f64 = 3.0;
+
+impl BakeForecast {
+    /// Adds what folding all bounces costs.
+    fn add_folding(&mut self, seconds_a_ray: f64) {
+        self.folded_bytes = (self.vertices as f64 * FOLDED_BYTES_A_VERTEX) as usize;
+        self.bytes += self.folded_bytes;
+        self.peak_bytes += low_rank::folding_bytes(self.partitions, self.functions);
+        let solutions = low_rank::solutions_to_fold(self.functions) as f64;
+        self.seconds += seconds_a_ray * RAYS_OF_SOLUTION * solutions * self.vertices as f64;
     }
 }
 
@@ -323,7 +343,12 @@ fn mass_bytes(scheme: Scheme, vertices: usize) -> usize {
 }
 
 /// The forecast for a surface with back sides, without the time to find these.
-fn with_sides(surface: &Surface, settings: &BakeSettings, run: &RunSettings) -> BakeForecast {
+fn with_sides(
+    surface: &Surface,
+    settings: &BakeSettings,
+    folds: bool,
+    run: &RunSettings,
+) -> BakeForecast {
     let pieces = Pieces::of(surface, settings);
     let survey = SurveyJob {
         surface,
@@ -385,7 +410,7 @@ fn with_sides(surface: &Surface, settings: &BakeSettings, run: &RunSettings) -> 
         0.0
     };
     let rays_a_vertex = RAYS_OF_OPEN_POINTS + RAYS_OF_BASIS + prior_lights + RAYS_OF_ENERGY;
-    BakeForecast {
+    let mut forecast = BakeForecast {
         scheme: settings.scheme,
         partitioner: settings.scheme.partitioner(),
         cached: false,
@@ -403,10 +428,15 @@ fn with_sides(surface: &Surface, settings: &BakeSettings, run: &RunSettings) -> 
         sky_bytes,
         glossy_vertices,
         slice_bytes,
+        folded_bytes: 0,
         peak_bytes: peak_bytes(vertices, bytes, BAKING_COPIES),
         seconds: seconds_a_row * rows as f64
             + survey.seconds_a_ray * rays_a_vertex * vertices as f64,
+    };
+    if folds {
+        forecast.add_folding(survey.seconds_a_ray);
     }
+    forecast
 }
 
 fn surface_entries(views: &[GroupView], settings: &BakeSettings) -> Entries {

@@ -1,10 +1,15 @@
 //! The key of a bake: a hash of what the bake reads, and only of that.
 
+use glam::Vec3;
+
 use super::{BakeSettings, Scheme};
 use crate::surface::Surface;
 
 /// Changes whenever the same input gives another bake or the file another form.
 pub(super) const ALGORITHM_VERSION: u32 = 13;
+
+/// Changes whenever the same bake is folded in another way.
+const FOLDING_VERSION: u32 = 1;
 
 /// Content key of a bake.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -64,6 +69,19 @@ impl BakeKey {
                 let is_glossy = surface.glossy_materials[triangle.material as usize];
                 words(&[u32::from(is_glossy)]);
             }
+        }
+        Self(*hash.finalize().as_bytes())
+    }
+
+    /// Key of the same bake with all bounces folded under an albedo a front
+    /// vertex; back sides have that of their fronts.
+    pub(super) fn with_albedo(&self, albedo: &[Vec3]) -> Self {
+        let mut hash = blake3::Hasher::new();
+        hash.update(b"fixed albedo");
+        hash.update(&FOLDING_VERSION.to_le_bytes());
+        hash.update(&self.0);
+        for channel in albedo.iter().flat_map(|rho| rho.to_array()) {
+            hash.update(&channel.to_bits().to_le_bytes());
         }
         Self(*hash.finalize().as_bytes())
     }

@@ -3,9 +3,10 @@
 //!
 //! Comes in: a [`Surface`]. Goes out: [`Bake`], the basis and the compressed
 //! rows of the operator T~. No light and no camera is known here, so one bake
-//! serves all of them; albedo is not in it either.
+//! serves all of them; albedo is not in it either, unless bounces are folded.
 //!
 //! partition -> basis S -> sampled transfer T and sky X -> compressed rows -> bake file
+//!                                      with fixed albedo: all bounces in one -^
 //!
 //! Two schemes ([`Scheme`]) differ in the partitions and in how rows are
 //! compressed: relume's own, and the published one in `paper`.
@@ -56,6 +57,7 @@ mod test_lights;
 mod transfer;
 mod window;
 
+use glam::Vec3;
 use rayon::prelude::*;
 use thiserror::Error;
 
@@ -65,19 +67,19 @@ use budget::settings_for_error;
 use excitation::Excitation;
 use function_shares::{functions_by_share, root_shares};
 use graph::VertexGraph;
-use low_rank::Task;
+use low_rank::{FoldTask, Folded, Task};
 use neighbours::vertex_graph;
 use partition::{Partition, PartitionSettings, partition};
 use places::Places;
 use rows::Rows;
 use sky::Sky;
-use slices::Slices;
+pub(crate) use slices::Slices;
 use test_lights::TestLights;
 
 pub(crate) use audit::relative_error;
 pub use audit::{ErrorParts, LightErrors};
 pub(crate) use basis::Basis;
-pub(crate) use cache::{Baked, CacheOutcome, load_or_bake, load_stored};
+pub(crate) use cache::{AlbedoOf, Baked, CacheOutcome, load_or_bake, load_stored};
 pub use forecast::BakeForecast;
 pub(crate) use forecast::forecast;
 pub(crate) use pilot::escaped_share_of_fronts;
@@ -134,6 +136,8 @@ pub(crate) struct Bake {
     sky: Option<Sky>,
     /// The final glossy bounce; `None` where no material is glossy.
     slices: Option<Slices>,
+    /// All bounces under one albedo, where it is fixed and they have a limit.
+    folded: Option<Box<Folded>>,
     stats: BakeStats,
 }
 
@@ -219,6 +223,7 @@ impl Bake {
             operator,
             sky,
             slices,
+            folded: None,
             stats,
         };
         run.progress.stage("energy", 1);
@@ -251,6 +256,45 @@ impl Bake {
     /// E = T~ B, irradiance from radiosity, both in slots, W/m2.
     pub(crate) fn apply(&self, level: Level, radiosity: &[[f32; 3]]) -> Vec<[f32; 3]> {
         self.operator.apply(level, &self.basis, radiosity)
+    }
+
+    /// Folds all bounces under an albedo a vertex (or makes it anew); nothing is
+    /// folded where they have no limit, nor in the published scheme.
+    pub(crate) fn fold(
+        &mut self,
+        surface: &Surface,
+        albedo: &[Vec3],
+        run: &RunSettings,
+    ) -> Result<(), BakeError> {
+        let Operator::LowRank(operator) = &self.operator else {
+            return Ok(());
+        };
+        let vertices = self.basis.vertex_of_slot().iter();
+        let albedo: Vec<[f32; 3]> = vertices.map(|&v| albedo[v as usize].to_array()).collect();
+        let task = FoldTask {
+            operator,
+            basis: &self.basis,
+            places: &Places::of(surface, run.level),
+            albedo: &albedo,
+            run,
+        };
+        self.folded = task.fold()?.map(Box::new);
+        self.stats.folding = self.folded.as_ref().map(|folded| folded.errors);
+        Ok(())
+    }
+
+    /// Irradiance of all bounces in slots, W/m2, from the radiosity before any,
+    /// where they are folded: under the albedo that [`Self::fold`] was given.
+    pub(crate) fn all_bounces(&self, level: Level, source: &[[f32; 3]]) -> Option<Vec<[f32; 3]>> {
+        let (Operator::LowRank(near), Some(folded)) = (&self.operator, &self.folded) else {
+            return None;
+        };
+        Some(folded.apply(level, (&self.basis, near), source))
+    }
+
+    /// Bytes of the folded bounces; 0 without.
+    pub(crate) fn folded_bytes(&self) -> usize {
+        self.folded.as_ref().map_or(0, |folded| folded.bytes())
     }
 
     /// Irradiance of the sky in slots, W/m2, from H_m of every cell (pi x its

@@ -291,18 +291,43 @@ impl Rows {
         radiosity: &[[f32; 3]],
         light: &[[f32; 3]],
     ) -> GroupSums {
-        let near = self.near_offsets[group] as usize..self.near_offsets[group + 1] as usize;
+        let mut sums = self.gather_near(level, group, radiosity);
+        let smooth = self.gather_functions(level, group, light);
+        for channel in 0..3 {
+            for lane in 0..GROUP {
+                sums[channel][lane] += smooth[channel][lane];
+            }
+        }
+        sums
+    }
+
+    /// What the near field alone brings.
+    pub(super) fn gather_near(
+        &self,
+        level: Level,
+        group: usize,
+        radiosity: &[[f32; 3]],
+    ) -> GroupSums {
+        let range = self.near_offsets[group] as usize..self.near_offsets[group + 1] as usize;
+        let weights = &self.near_weights[range.clone()];
+        let mut sums = gather_list(level, &self.near, range, weights, radiosity);
+        for channel in &mut sums {
+            for (sum, step) in channel.iter_mut().zip(&self.near_steps[group]) {
+                *sum *= step;
+            }
+        }
+        sums
+    }
+
+    /// What the functions alone bring.
+    pub(super) fn gather_functions(
+        &self,
+        level: Level,
+        group: usize,
+        light: &[[f32; 3]],
+    ) -> GroupSums {
         let basis = self.basis_offsets[group] as usize..self.basis_offsets[group + 1] as usize;
         let split = basis.start + self.coarse[group] as usize;
-        let near = gather_list(
-            level,
-            &self.near,
-            near.clone(),
-            &self.near_weights[near],
-            radiosity,
-        );
-        let coarse = basis.start..split;
-        let fine = split..basis.end;
         let band = |range: std::ops::Range<usize>| {
             let coefficients = &self.coefficients[range.clone()];
             match &self.functions {
@@ -313,14 +338,13 @@ impl Rows {
                 }
             }
         };
-        let (coarse, fine) = (band(coarse), band(fine));
-        let (near_steps, basis_steps) = (&self.near_steps[group], &self.basis_steps[group]);
-        let mut sums = near;
+        let (coarse, fine) = (band(basis.start..split), band(split..basis.end));
+        let steps = &self.basis_steps[group];
+        let mut sums = coarse;
         for channel in 0..3 {
             for lane in 0..GROUP {
                 let smooth = coarse[channel][lane] + fine[channel][lane] * (1.0 / FINE_BAND);
-                sums[channel][lane] =
-                    near[channel][lane] * near_steps[lane] + smooth * basis_steps[lane];
+                sums[channel][lane] = smooth * steps[lane];
             }
         }
         sums

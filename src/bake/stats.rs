@@ -1,7 +1,7 @@
 //! What a bake says of itself.
 
 use super::BakeSettings;
-use super::audit::ErrorParts;
+use super::audit::{ErrorParts, LightErrors};
 use super::scheme::{Partitioner, Scheme};
 use super::transfer::GroupTransfer;
 use crate::maths::order::Order;
@@ -75,6 +75,9 @@ pub struct BakeStats {
     /// Error of one bounce of indirect light, under lights that the bake did not
     /// choose by.
     pub errors: ErrorParts,
+    /// How far folded bounces are off from bounces one by one, under the same
+    /// lights, where bounces are folded.
+    pub folding: Option<LightErrors>,
 }
 
 impl BakeStats {

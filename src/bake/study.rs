@@ -183,6 +183,7 @@ impl<'a> Study<'a> {
             operator,
             sky: None,
             slices: None,
+            folded: None,
             stats: BakeStats::default(),
         })
     }

@@ -66,6 +66,7 @@ fn object(outlook: &Outlook) -> Value {
         "row_bytes": bake.row_bytes,
         "sky_bytes": bake.sky_bytes,
         "slice_bytes": bake.slice_bytes,
+        "folded_bytes": bake.folded_bytes,
         "peak_bytes": bake.peak_bytes + contents.images.bytes,
         "bake_seconds": bake.seconds,
         "size": outlook.frame.camera.size,
@@ -223,7 +224,13 @@ fn glossy_text(bake: &BakeForecast) -> String {
 
 fn bake_text(outlook: &Outlook) -> String {
     let bake = &outlook.bake;
-    let rows = format!("{} of it rows", megabytes(bake.row_bytes + bake.sky_bytes));
+    let mut rows = format!("{} of it rows", megabytes(bake.row_bytes + bake.sky_bytes));
+    if bake.folded_bytes > 0 {
+        rows.push_str(&format!(
+            " and {} all bounces",
+            megabytes(bake.folded_bytes)
+        ));
+    }
     if bake.cached {
         return format!("cached, {}, {rows}: nothing to do", megabytes(bake.bytes));
     }

@@ -70,6 +70,11 @@ pub(super) fn add_figures(object: &mut Value, figures: &SceneFigures) {
     object["coefficients_per_vertex"] = number(|b| json!(b.coefficients_per_vertex));
     object["bake_bytes"] = number(|b| json!(b.bytes));
     object["row_bytes"] = number(|b| json!(b.row_bytes));
+    if let Some(bake) = figures.bake.filter(|b| b.glossy_vertices > 0) {
+        object["glossy_vertices"] = json!(bake.glossy_vertices);
+        object["slice_coefficients_per_vertex"] = json!(bake.slice_coefficients_per_vertex);
+        object["slice_bytes"] = json!(bake.slice_bytes);
+    }
     object["cache"] = bake.map_or(json!("none"), |b| {
         json!(if b.cached { "hit" } else { "miss" })
     });
@@ -92,6 +97,10 @@ pub(super) fn add_figures(object: &mut Value, figures: &SceneFigures) {
             },
             "noise_of_truth": bake.stats.errors.truth.mean,
         });
+        if let Some(folding) = bake.stats.folding {
+            object["folded_bytes"] = json!(bake.folded_bytes);
+            object["bake"]["error_of_folding"] = errors(&folding);
+        }
     }
 }
 
@@ -105,6 +114,14 @@ pub(super) fn errors(errors: &LightErrors) -> Value {
     })
 }
 
+/// What is to be said of folded bounces.
+fn folding_text(bake: &BakeFigures) -> String {
+    bake.stats.folding.map_or(String::new(), |folding| {
+        let percent = folding.mean * 100.0;
+        format!(", all bounces folded within {percent:.2} %")
+    })
+}
+
 /// One sentence on a scene and its bake.
 pub(super) fn figures_text(figures: &SceneFigures) -> String {
     let mesh = format!(
@@ -114,11 +131,12 @@ pub(super) fn figures_text(figures: &SceneFigures) -> String {
     match figures.bake {
         None => mesh,
         Some(bake) => format!(
-            "{mesh}, {} functions, {:.0} coefficients a vertex, indirect light within {:.1} %, \
+            "{mesh}, {} functions, {:.0} coefficients a vertex, indirect light within {:.1} %{}, \
              bake of {:.1} MB {}",
             bake.functions,
             bake.coefficients_per_vertex,
             bake.stats.errors.total.mean * 100.0,
+            folding_text(&bake),
             bake.bytes as f64 / 1e6,
             if bake.cached {
                 "from the cache"

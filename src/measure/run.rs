@@ -12,10 +12,9 @@ use super::pictures;
 use super::sweeps::{MOST_RAYS, Point, Sweeper, Swept};
 use super::vertices::{Parts, SchemeErrors, Truth};
 use crate::bake::{Bake, BakeError, BakeSettings, RunSettings, Scheme, Study};
-use crate::brdf::GlossyMaterials;
-use crate::relight::{FrameSettings, Renderer, SceneFigures, VertexColours};
+use crate::relight::{FrameSettings, Renderer, SceneFigures, vertex_albedo};
 use crate::report::Block;
-use crate::scene::{Material, Scene};
+use crate::scene::Scene;
 use crate::surface::Surface;
 
 /// Up to so many vertices the rays of all rows are kept for the sweeps: 49 kB a
@@ -197,7 +196,7 @@ fn transfer_chapters(
              (all up to {KEPT_VERTICES})"
         ));
     }
-    let albedo = albedo(renderer.scene(), &surface);
+    let albedo = vertex_albedo(renderer.scene(), &surface);
     let found = vertices(
         &study,
         &surface,
@@ -209,14 +208,6 @@ fn transfer_chapters(
     let sweeps = sweeps(&study, &found, keeps_rays, run)?;
     clock.next("sweeps");
     Ok((Some(found), Some(sweeps)))
-}
-
-/// Colour of the vertices.
-fn albedo(scene: &Scene, surface: &Surface) -> Vec<Vec3> {
-    let mut colours = VertexColours::default();
-    colours.update(scene, surface);
-    let glossy = GlossyMaterials::of_all(scene.materials.iter().map(Material::gloss));
-    colours.albedo(scene, &glossy, surface)
 }
 
 fn vertices(

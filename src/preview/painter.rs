@@ -68,6 +68,9 @@ pub(crate) struct Drawn {
     pub(crate) clamped_pixels: u64,
     /// Whether bounced light is missing, for want of a bake.
     pub(crate) lacks_bake: bool,
+    /// Whether bounces were carried out one by one, since a fixed albedo is
+    /// another now.
+    pub(crate) lacks_folding: bool,
     /// What the pixels show.
     pub(crate) seen: Arc<SeenSurfaces>,
 }
@@ -144,7 +147,8 @@ impl Painter {
             sharpness: step,
             stages: frame.stages,
             clamped_pixels: frame.clamped_pixels,
-            lacks_bake: self.renderer.needs_bake(&settings),
+            lacks_bake: !self.renderer.has_bake() && self.renderer.needs_bake(&settings),
+            lacks_folding: self.renderer.needs_folding(&settings),
             seen: Arc::new(self.renderer.seen()),
         }))
     }
@@ -166,6 +170,12 @@ impl Painter {
     pub(crate) fn lacks_bake(&mut self, wish: &Wish) -> bool {
         self.light(wish);
         self.renderer.needs_bake(&wish.frame)
+    }
+
+    /// Whether that is for its albedo alone.
+    pub(crate) fn lacks_folding(&mut self, wish: &Wish) -> bool {
+        self.light(wish);
+        self.renderer.needs_folding(&wish.frame)
     }
 
     /// A frame of a wish at another size, as `render` draws it.

@@ -22,6 +22,15 @@ const SHORT: [(&str, &str); 4] = [
     ("shadow rays", "shadows"),
 ];
 
+/// What a picture is drawn without.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Lacks {
+    Nothing,
+    Bake,
+    /// Bounces folded under the albedo as it is: they were carried out one by one.
+    Folding,
+}
+
 /// What is known of the session, for the status line.
 #[derive(Debug, Default)]
 pub(crate) struct Status {
@@ -36,7 +45,7 @@ pub(crate) struct Status {
     stated_error: Option<f64>,
     /// When the last drafts came.
     drafts: VecDeque<Duration>,
-    last: Option<(Sharpness, Stages, bool)>,
+    last: Option<(Sharpness, Stages, Lacks)>,
     clamped_pixels: u64,
     /// What the terminal was sent last.
     pub(crate) written: Written,
@@ -93,7 +102,12 @@ impl Status {
             }
         }
         self.clamped_pixels = drawn.clamped_pixels;
-        self.last = Some((drawn.sharpness, drawn.stages.clone(), drawn.lacks_bake));
+        let lacks = match (drawn.lacks_bake, drawn.lacks_folding) {
+            (true, _) => Lacks::Bake,
+            (false, true) => Lacks::Folding,
+            (false, false) => Lacks::Nothing,
+        };
+        self.last = Some((drawn.sharpness, drawn.stages.clone(), lacks));
     }
 
     /// The last message.
@@ -118,7 +132,7 @@ impl Status {
         if let Some((stage, share)) = self.baking {
             figures.push(format!("{stage} {:.0} %", 100.0 * share));
         }
-        let Some((sharpness, stages, lacks_bake)) = &self.last else {
+        let Some((sharpness, stages, lacks)) = &self.last else {
             return figures;
         };
         figures.push(match (sharpness, self.rate()) {
@@ -128,10 +142,11 @@ impl Status {
             (Sharpness::Full | Sharpness::Fine, _) => "sharp".to_owned(),
         });
         figures.push(format!("{:.1} ms", stages.total_ms()));
-        match self.stated_error {
-            _ if *lacks_bake => figures.push("no bounces and no sky yet".to_owned()),
-            Some(error) => figures.push(format!("error {:.1} %", 100.0 * error)),
-            None => {}
+        match (lacks, self.stated_error) {
+            (Lacks::Bake, _) => figures.push("no bounces and no sky yet".to_owned()),
+            (Lacks::Folding, _) => figures.push("this albedo needs a bake".to_owned()),
+            (Lacks::Nothing, Some(error)) => figures.push(format!("error {:.1} %", 100.0 * error)),
+            (Lacks::Nothing, None) => {}
         }
         if self.clamped_pixels > 0 {
             figures.push(format!("{} pixels below 0", self.clamped_pixels));

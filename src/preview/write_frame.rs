@@ -16,6 +16,9 @@ pub(crate) fn write_frame(
     path: &Path,
     run: &RunSettings,
 ) -> Result<String, String> {
+    if painter.lacks_folding(wish) {
+        return Err("with fixed_albedo another albedo needs a bake, which is not ready".to_owned());
+    }
     if painter.lacks_bake(wish) {
         return Err("the bake is not ready, and its light would be missing".to_owned());
     }

@@ -87,6 +87,17 @@ impl Transport<'_> {
         })
     }
 
+    /// The same of all bounces by the bake's operator for them; `None` without. The
+    /// albedo is the one that they were folded under.
+    pub(crate) fn solve_folded(&self, source: &[Vec3], albedo: &[Vec3]) -> Option<Solution> {
+        let (source, albedo) = (self.in_slots(source), self.in_slots(albedo));
+        let irradiance = self.bake.all_bounces(self.level, &source)?;
+        Some(Solution {
+            irradiance: self.at_vertices(&irradiance),
+            outgoing: radiosity(&source, &albedo, &irradiance),
+        })
+    }
+
     /// S S^T B at every vertex: what projection on the basis leaves of a field.
     /// It may be negative where B is not.
     pub(crate) fn projected(&self, radiosity: &[Vec3]) -> Vec<Vec3> {

@@ -94,6 +94,7 @@ mod direct_flux;
 mod emitters;
 mod enclosures;
 mod finite;
+mod folded;
 mod gather;
 mod glossy;
 mod kept;
@@ -137,7 +138,7 @@ impl Baked {
     fn new(scene: &Scene) -> Self {
         let mut surface = Surface::fronts(scene, &Detail::of_keys(&scene.bake));
         let settings = BakeSettings::of_keys(&scene.bake);
-        let bake = load_or_bake(&mut surface, &settings, None, &RunSettings::silent())
+        let bake = load_or_bake(&mut surface, &settings, None, None, &RunSettings::silent())
             .expect("nobody stops it and every part has a basis")
             .bake;
         Self { surface, bake }

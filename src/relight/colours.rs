@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use crate::brdf::GlossyMaterials;
-use crate::scene::Scene;
+use crate::scene::{Material, Scene};
 use crate::surface::Surface;
 use crate::surface::maps::means_at_vertices;
 use crate::texture::{TextureFilter, TextureMap};
@@ -16,6 +16,14 @@ pub(crate) struct VertexColours {
     made_of: Option<(Vec<Option<TextureMap>>, TextureFilter, usize)>,
     /// White where there is no map; empty where no material has one.
     means: Vec<Vec3>,
+}
+
+/// Share of light that every vertex hands on to the next bounce, as the scene is now.
+pub(crate) fn vertex_albedo(scene: &Scene, surface: &Surface) -> Vec<Vec3> {
+    let mut colours = VertexColours::default();
+    colours.update(scene, surface);
+    let glossy = GlossyMaterials::of_all(scene.materials.iter().map(Material::gloss));
+    colours.albedo(scene, &glossy, surface)
 }
 
 impl VertexColours {

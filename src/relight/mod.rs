@@ -37,7 +37,7 @@ mod sum;
 pub use basis_view::BasisFunctionError;
 pub use bounces::BounceError;
 pub(crate) use bounces::Transport;
-pub(crate) use colours::VertexColours;
+pub(crate) use colours::vertex_albedo;
 pub use component::{BasisFunction, COMPONENTS, Component, ComponentError};
 pub use description::{bounces_text, describe_levels, describe_scene};
 pub use frame::{Effort, Frame, FrameSettings, develop};

@@ -1,5 +1,6 @@
 //! A scene that is ready to be lit and drawn, again and again.
 
+mod fixed_albedo;
 mod frames;
 
 use std::path::{Path, PathBuf};
@@ -10,7 +11,7 @@ use thiserror::Error;
 
 use super::basis_view::BasisFunctionError;
 use super::bounces::BounceError;
-use super::colours::VertexColours;
+use super::colours::{VertexColours, vertex_albedo};
 use super::frame::FrameSettings;
 use super::glossy_light::KeptGlossyLight;
 use super::kept::{KeptDirect, KeptLights};
@@ -19,12 +20,13 @@ use super::outlook::{Outlook, SceneContents};
 use super::seen::SeenSurfaces;
 use super::stages::Stages;
 use crate::bake::{
-    self, Bake, BakeError, BakeForecast, BakeSettings, BakeStats, CacheOutcome, RunSettings,
-    Scheme, escaped_share_of_fronts, forecast, load_or_bake, load_stored,
+    self, AlbedoOf, Bake, BakeError, BakeForecast, BakeSettings, BakeStats, CacheOutcome,
+    RunSettings, Scheme, Slices, escaped_share_of_fronts, forecast, load_or_bake, load_stored,
 };
 use crate::brdf::GlossyMaterials;
 use crate::scene::{Bounces, Light, LightKind, Scene};
 use crate::surface::{Detail, Surface};
+use fixed_albedo::FixedAlbedo;
 
 /// Why there is no frame.
 #[derive(Debug, Error)]
@@ -71,6 +73,14 @@ pub struct BakeFigures {
     pub bytes: usize,
     /// Bytes of the compressed rows.
     pub row_bytes: usize,
+    /// Vertices of glossy materials.
+    pub glossy_vertices: usize,
+    /// Coefficients of such a vertex in the mean: 16 slices, near field included.
+    pub slice_coefficients_per_vertex: f64,
+    /// Bytes of the slices.
+    pub slice_bytes: usize,
+    /// Bytes of the folded bounces, where the albedo is fixed; else 0.
+    pub folded_bytes: usize,
     /// Whether it came from the cache.
     pub cached: bool,
     /// What the bake says of itself.
@@ -82,14 +92,17 @@ struct Baked {
     bake: Bake,
     cached: bool,
     file_bytes: usize,
+    /// What its bounces are folded under, or would be if they had a limit.
+    fixed_albedo: Option<FixedAlbedo>,
 }
 
-impl From<bake::Baked> for Baked {
-    fn from(baked: bake::Baked) -> Self {
+impl Baked {
+    fn of(baked: bake::Baked, fixed_albedo: Option<FixedAlbedo>) -> Self {
         Self {
             bake: baked.bake,
             cached: baked.outcome == CacheOutcome::Hit,
             file_bytes: baked.file_bytes,
+            fixed_albedo,
         }
     }
 }
@@ -129,6 +142,7 @@ impl Renderer {
         });
         let mut warnings = surface.warnings.clone();
         warnings.extend(scheme.warning());
+        warnings.extend(fixed_albedo::warning(&scene, scheme));
         Self {
             scene,
             surface,
@@ -152,7 +166,8 @@ impl Renderer {
         &self.scene
     }
 
-    /// Changes lights or materials; the mesh and `[bake]` stay what they are.
+    /// Changes lights or materials; the mesh and `[bake]` stay what they are. With
+    /// `fixed_albedo`, another albedo needs a bake again: [`Self::needs_bake`].
     /// Materials stay as many as they were, and a map can be given to one only
     /// where the scene was loaded with texture coordinates for it. One name may
     /// stand for two materials, with and without maps.
@@ -163,18 +178,23 @@ impl Renderer {
         change(&mut self.scene.lights, &mut self.scene.materials);
     }
 
-    /// Makes sure that there is a bake: from the cache, or a new one.
+    /// Makes sure that there is a bake: from the cache, or a new one. One whose
+    /// fixed albedo is another now is folded anew, and is not stored.
     pub fn bake(&mut self, run: &RunSettings) -> Result<(), BakeError> {
         if self.baked.is_some() {
-            return Ok(());
+            return self.fold_anew(run);
         }
+        let fixed_albedo = self.fixed_albedo();
         let settings = BakeSettings::of_scheme(self.scheme, &self.scene.bake);
         let (surface, folder) = (&mut self.surface, self.cache_folder.as_deref());
-        let baked = self
-            .stages
-            .time("bake", || load_or_bake(surface, &settings, folder, run))?;
+        let scene = &self.scene;
+        let albedo_of = |surface: &Surface| vertex_albedo(scene, surface);
+        let albedo: Option<AlbedoOf> = fixed_albedo.as_ref().map(|_| &albedo_of as AlbedoOf);
+        let baked = self.stages.time("bake", || {
+            load_or_bake(surface, &settings, albedo, folder, run)
+        })?;
         self.warnings.extend(baked.warnings.iter().cloned());
-        self.baked = Some(baked.into());
+        self.baked = Some(Baked::of(baked, fixed_albedo));
         Ok(())
     }
 
@@ -189,9 +209,10 @@ impl Renderer {
         if self.baked.is_none() {
             self.load(&settings);
         }
+        let folds = self.fixed_albedo().is_some();
         let bake = match &self.baked {
             Some(baked) => BakeForecast::of(&baked.bake, baked.file_bytes),
-            None => forecast(&mut self.surface, &settings, run)?,
+            None => forecast(&mut self.surface, &settings, folds, run)?,
         };
         Ok(Outlook {
             contents: SceneContents::of(&self.scene, &self.surface),
@@ -206,11 +227,16 @@ impl Renderer {
     /// Takes the bake from the cache, if it is there. One that cannot be used is
     /// warned of when it is made anew.
     fn load(&mut self, settings: &BakeSettings) {
+        let fixed_albedo = self.fixed_albedo();
         let (surface, folder) = (&mut self.surface, self.cache_folder.as_deref());
+        let scene = &self.scene;
+        let albedo_of = |surface: &Surface| vertex_albedo(scene, surface);
+        let albedo: Option<AlbedoOf> = fixed_albedo.as_ref().map(|_| &albedo_of as AlbedoOf);
         let stored = self
             .stages
-            .time("bake", || load_stored(surface, settings, folder));
-        self.baked = stored.ok().flatten().map(Baked::from);
+            .time("bake", || load_stored(surface, settings, albedo, folder));
+        let stored = stored.ok().flatten();
+        self.baked = stored.map(|baked| Baked::of(baked, fixed_albedo));
     }
 
     /// Takes the bake from the cache folder, if a valid one is there; says whether
@@ -231,9 +257,15 @@ impl Renderer {
         })
     }
 
-    /// Whether a frame needs a bake that the renderer does not have yet.
+    /// Whether a frame needs a bake that the renderer does not have yet: none, or
+    /// one whose fixed albedo is another now.
     pub fn needs_bake(&self, settings: &FrameSettings) -> bool {
-        self.baked.is_none() && self.reads_bake(settings)
+        (self.baked.is_none() && self.reads_bake(settings)) || self.needs_folding(settings)
+    }
+
+    /// Whether there is a bake, whatever it lacks.
+    pub(crate) fn has_bake(&self) -> bool {
+        self.baked.is_some()
     }
 
     /// Whether a frame depends on the bake.
@@ -270,6 +302,13 @@ impl Renderer {
                 coefficients_per_vertex: baked.bake.operator().coefficients_per_vertex(),
                 bytes: baked.file_bytes,
                 row_bytes: baked.bake.operator().bytes(),
+                glossy_vertices: baked.bake.slices().map_or(0, Slices::vertex_count),
+                slice_coefficients_per_vertex: baked
+                    .bake
+                    .slices()
+                    .map_or(0.0, Slices::coefficients_per_vertex),
+                slice_bytes: baked.bake.slices().map_or(0, Slices::bytes),
+                folded_bytes: baked.bake.folded_bytes(),
                 cached: baked.cached,
                 stats: *baked.bake.stats(),
             }),

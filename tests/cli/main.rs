@@ -3,6 +3,7 @@
 
 mod components;
 mod differences;
+mod folded;
 mod goldens;
 mod info;
 mod measured_reports;

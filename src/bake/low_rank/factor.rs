@@ -69,7 +69,7 @@ impl Matrix {
         }
     }
 
-    fn times(&self, level: Level, block: &Self) -> Self {
+    pub(super) fn times(&self, level: Level, block: &Self) -> Self {
         let mut out = Self::zero(self.rows, block.columns);
         multiply(
             level,
@@ -179,7 +179,7 @@ pub(in crate::bake) fn leading(level: Level, y: &Matrix, rank: usize) -> Factors
 }
 
 /// The first `width` columns, orthonormal.
-fn orthonormal(block: &Matrix, width: usize) -> Block {
+pub(super) fn orthonormal(block: &Matrix, width: usize) -> Block {
     let rows = block.values.chunks_exact(block.columns);
     let mut out = Block {
         columns: width,
@@ -192,7 +192,7 @@ fn orthonormal(block: &Matrix, width: usize) -> Block {
 }
 
 /// A block with columns of zeros up to whole lanes.
-fn padded(block: &Block) -> Matrix {
+pub(super) fn padded(block: &Block) -> Matrix {
     let rows = block.values.len() / block.columns;
     let columns = block.columns.next_multiple_of(BLOCK_LANES);
     let mut matrix = Matrix::zero(rows, columns);
@@ -210,7 +210,7 @@ fn padded(block: &Block) -> Matrix {
 
 /// Turns an orthonormal basis Q (and Y^T Q) so that its columns are singular
 /// vectors: the eigenvectors of (Y^T Q)^T (Y^T Q).
-fn rotated(basis: &Block, right: &Matrix, rank: usize) -> Factors {
+pub(super) fn rotated(basis: &Block, right: &Matrix, rank: usize) -> Factors {
     let width = basis.columns;
     let mut gram = vec![0.0_f64; width * width];
     for row in right.values.chunks_exact(right.columns) {

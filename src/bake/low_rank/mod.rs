@@ -13,6 +13,8 @@
 //! transfer than the sampled rows that it was made of.
 
 mod factor;
+mod folded;
+mod join;
 mod near;
 mod part;
 mod quantise;
@@ -20,6 +22,8 @@ mod sampled;
 mod smooth;
 
 pub(super) use factor::{Factors, Matrix, last_energy, leading};
+pub(crate) use folded::Folded;
+pub(super) use folded::{FoldTask, folding_bytes, solutions_to_fold};
 pub(super) use part::Budget;
 #[cfg(test)]
 pub(super) use part::{NEAR_SHARE, NOISE_COUNTS};
@@ -95,6 +99,16 @@ impl LowRank {
             .map(|group| self.components.gather(level, group, &[], &scaled))
             .collect();
         super::joined(&self.components, &groups)
+    }
+
+    /// W B in slots: what the near field alone brings, W/m2.
+    fn near_field(&self, level: Level, radiosity: &[[f32; 3]]) -> Vec<[f32; 3]> {
+        let groups = (0..self.rows.group_count()).into_par_iter();
+        let groups: Vec<_> = groups
+            .with_min_len(super::GROUPS_PER_TASK)
+            .map(|group| self.rows.gather_near(level, group, radiosity))
+            .collect();
+        super::joined(&self.rows, &groups)
     }
 
     /// Bytes of all tables.

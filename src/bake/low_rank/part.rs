@@ -141,7 +141,7 @@ impl Job<'_> {
                 },
             )
             .collect::<Result<_, _>>()?;
-        let roots_of_area = self.roots_of_area(slots);
+        let roots_of_area = roots_of_area(self.surface, self.basis, slots);
         let (y, functions) = self.whitened(&found, &roots_of_area, |group| &group.coefficients);
         let (mut noise, _) = self.whitened(&found, &roots_of_area, |group| &group.noise);
         noise
@@ -235,17 +235,6 @@ impl Job<'_> {
         }
     }
 
-    fn roots_of_area(&self, slots: std::ops::Range<usize>) -> Vec<f32> {
-        let vertices = &self.basis.vertex_of_slot()[slots];
-        let areas = self.surface.vertices.areas();
-        let areas = vertices.iter().map(|&v| f64::from(areas[v as usize]));
-        let mean = areas.clone().sum::<f64>() / vertices.len().max(1) as f64;
-        let least = f64::at_least(mean * SMALLEST_AREA, f64::from(f32::MIN_POSITIVE));
-        areas
-            .map(|area| if area > least { area } else { least }.sqrt() as f32)
-            .collect()
-    }
-
     /// Y = sqrt(A) C sigma of a partition, and the functions of its columns.
     fn whitened(
         &self,
@@ -289,6 +278,22 @@ impl Job<'_> {
         }
         (y, functions)
     }
+}
+
+/// Square roots of the areas of the receivers in some slots of one partition.
+pub(super) fn roots_of_area(
+    surface: &Surface,
+    basis: &Basis,
+    slots: std::ops::Range<usize>,
+) -> Vec<f32> {
+    let vertices = &basis.vertex_of_slot()[slots];
+    let areas = surface.vertices.areas();
+    let areas = vertices.iter().map(|&v| f64::from(areas[v as usize]));
+    let mean = areas.clone().sum::<f64>() / vertices.len().max(1) as f64;
+    let least = f64::at_least(mean * SMALLEST_AREA, f64::from(f32::MIN_POSITIVE));
+    areas
+        .map(|area| if area > least { area } else { least }.sqrt() as f32)
+        .collect()
 }
 
 /// One worker's memory.

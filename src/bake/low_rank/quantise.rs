@@ -138,13 +138,14 @@ pub(in crate::bake) fn steps_of<'a>(
 
 /// U of a group of receivers: rows `first` on of the left factor, each divided
 /// by the square root of its area, so that constant light arrives as `targets`
-/// has it. `rows` holds the near field, whose sums are `near_sums`.
+/// has it. `rows` holds the near field, whose sums are `near_sums`, if
+/// it has one.
 pub(super) fn spread(
     left: &Matrix,
     roots_of_area: &[f32],
     (first, count): (usize, usize),
     components: &Components,
-    (targets, near_sums): (&[f64; GROUP], &[f64; GROUP]),
+    (targets, near_sums): (&[f64; GROUP], Option<&[f64; GROUP]>),
     rows: &mut GroupRows,
 ) {
     let rank = components.constant.len();
@@ -175,8 +176,10 @@ pub(super) fn spread(
         let scale = target / response;
         if RESPONSE_RANGE.contains(&(scale / f64::from(steps[lane]))) {
             rows.basis_steps[lane] = scale as f32;
-        } else {
+        } else if let Some(near_sums) = near_sums {
             near_answers(rows, lane, near_sums[lane], target);
+        } else {
+            rows.basis_steps[lane] = steps[lane];
         }
     }
 }

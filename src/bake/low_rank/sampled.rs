@@ -6,13 +6,14 @@ use rayon::prelude::*;
 
 use super::LowRank;
 use super::factor::last_energy;
+use super::join::{QuantisedPart, join};
 use super::near::{self, NearRule};
 use super::part::{Budget, FoundPart, Job};
 use super::quantise::{components, spread};
 use crate::bake::basis::Basis;
 use crate::bake::neighbours::vertex_graph;
 use crate::bake::operator::{SkyRows, of_pilots, receiver_groups};
-use crate::bake::rows::{GroupRows, Rows};
+use crate::bake::rows::GroupRows;
 use crate::bake::sky::Sky;
 use crate::bake::stats::{BakeStats, GroupStats};
 use crate::bake::transfer::{GROUP, Sampling};
@@ -184,49 +185,20 @@ impl Job<'_> {
                             &part.roots_of_area,
                             (first, count),
                             &found,
-                            (&near.targets, &near.sums),
+                            (&near.targets, Some(&near.sums)),
                             &mut rows,
                         );
                         first += count;
                         rows
                     })
                     .collect();
-                (found, rank as u32, rows)
+                QuantisedPart {
+                    components: found,
+                    rows,
+                }
             })
             .collect();
-        let (mut component_groups, mut component_receivers) = (Vec::new(), Vec::new());
-        let (mut rows, mut first_components) = (Vec::new(), Vec::new());
-        let mut next = 0_u32;
-        for (found, rank, of_part) in quantised {
-            first_components.extend(std::iter::repeat_n(next, of_part.len()));
-            rows.extend(of_part);
-            for (group, count) in found.groups.into_iter().zip(found.counts) {
-                component_groups.push(group);
-                component_receivers.push((next, count));
-                next += count;
-            }
-            debug_assert_eq!(
-                first_components.last().map(|f| f + rank),
-                Some(next),
-                "all components of the part"
-            );
-        }
-        LowRank {
-            scales: sigma.iter().map(|s| 1.0 / s).collect(),
-            components: Rows::join(
-                0,
-                self.basis.function_count(),
-                component_receivers,
-                &component_groups,
-            ),
-            rows: Rows::join_runs(
-                self.basis.slot_count(),
-                next as usize,
-                groups,
-                &rows,
-                first_components,
-            ),
-        }
+        join(quantised, sigma, self.basis.slot_count(), groups)
     }
 }
 

@@ -13,12 +13,13 @@ use crate::preview::panel;
 use crate::preview::prepare::Wanted;
 use crate::preview::view::View;
 use crate::relight::{Effort, FrameSettings, Quality};
-use crate::scene::Camera;
+use crate::scene::{Camera, Material};
 
 impl Program {
     /// A picture has come.
     pub(super) fn look(&mut self, number: u64, drawn: Drawn, now: Duration) -> Vec<Effect> {
-        let lacks_bake = drawn.lacks_bake && self.bake == BakeState::Settled;
+        let lacks_bake = drawn.lacks_bake || drawn.lacks_folding;
+        let lacks_bake = lacks_bake && self.bake == BakeState::Settled;
         self.oldest = number;
         self.status.drew(&drawn, now);
         if drawn.sharpness == Sharpness::Fine {
@@ -65,16 +66,26 @@ impl Program {
             number: self.preparations,
             bake,
         };
-        Effect::Prepare(wanted, Box::new(self.scene.clone()))
+        let mut scene = self.scene.clone();
+        if scene.bake.fixed_albedo {
+            scene.materials = self.materials();
+        }
+        Effect::Prepare(wanted, Box::new(scene))
+    }
+
+    /// The materials as they are edited.
+    fn materials(&self) -> Vec<Material> {
+        let mut materials = self.scene.materials.clone();
+        let albedos = &self.hands.document().albedos;
+        for (material, albedo) in materials.iter_mut().zip(albedos) {
+            material.albedo = *albedo;
+        }
+        materials
     }
 
     /// What is to be seen.
     pub(crate) fn wish(&self) -> Wish {
         let document = self.hands.document();
-        let mut materials = self.scene.materials.clone();
-        for (material, albedo) in materials.iter_mut().zip(&document.albedos) {
-            material.albedo = *albedo;
-        }
         let view = self.view();
         let mut camera = document.camera;
         camera.size = view.size_px;
@@ -84,7 +95,7 @@ impl Program {
         });
         Wish {
             lights: document.shown_lights(),
-            materials,
+            materials: self.materials(),
             frame: FrameSettings {
                 camera,
                 bounces: document.render.bounces,

@@ -4,10 +4,9 @@
 use glam::Vec3;
 
 use super::{Deviation, at_most, frame_of, largest};
-use crate::brdf::GlossyMaterials;
 use crate::maths::sobol::ScrambledSobol;
 use crate::relight::Component;
-use crate::relight::colours::VertexColours;
+use crate::relight::vertex_albedo;
 use crate::scene::Scene;
 use crate::scene::sample_scenes::{scene_of_files, tga};
 use crate::surface::{Detail, Surface};
@@ -85,9 +84,7 @@ fn a_picture_of_a_checker_has_its_mean() {
 /// Albedo of the vertices of a scene, and the surface.
 fn at_vertices(scene: &Scene) -> (Surface, Vec<Vec3>) {
     let surface = Surface::fronts(scene, &Detail::of_keys(&scene.bake));
-    let mut colours = VertexColours::default();
-    colours.update(scene, &surface);
-    let albedo = colours.albedo(scene, &GlossyMaterials::default(), &surface);
+    let albedo = vertex_albedo(scene, &surface);
     (surface, albedo)
 }
 

@@ -35,7 +35,8 @@ impl Renderer {
     }
 
     /// The same with what there is: without a bake, the light that it would bring
-    /// is left out, bounced light and the sky's.
+    /// is left out, bounced light and the sky's; bounces that are folded under
+    /// another albedo are carried out one by one.
     ///
     /// # Errors
     /// As [`Self::frame`], but for those of a bake.
@@ -180,7 +181,15 @@ impl Renderer {
             last.of_direct == version && last.bounces == bounces && last.albedo == albedo
         });
         if !is_kept {
-            let solved = self.transport(run).solve(&source, &albedo, bounces)?;
+            let transport = self.transport(run);
+            let folded = match bounces {
+                Bounces::All if self.is_folded() => transport.solve_folded(&source, &albedo),
+                _ => None,
+            };
+            let solved = match folded {
+                Some(solved) => solved,
+                None => transport.solve(&source, &albedo, bounces)?,
+            };
             self.bounced = Some(Bounced {
                 of_direct: version,
                 bounces,

@@ -119,7 +119,6 @@ impl Document {
             None => return Err(fields.error("lacks the section [camera]")),
         };
         let lights = lights(tables(&mut fields, "light")?, sources)?;
-        let (bake, warnings) = sections::bake(section(&mut fields, "bake", "[bake]")?)?;
         Ok(Self {
             mesh: sources.folder.join(mesh.name()?),
             mesh_place: mesh.place().clone(),
@@ -130,12 +129,12 @@ impl Document {
             camera,
             lights,
             render: sections::render(section(&mut fields, "render", "[render]")?)?,
-            bake,
+            bake: sections::bake(section(&mut fields, "bake", "[bake]")?)?,
             materials: sections::materials(tables(&mut fields, "material")?)?,
             animations: Vec::new(),
             animated_materials: Vec::new(),
             golden: sections::golden(section(&mut fields, "golden", "[golden]")?, sources.folder)?,
-            warnings,
+            warnings: Vec::new(),
         })
     }
 

@@ -155,11 +155,10 @@ fn bounces(item: &Item) -> Result<Bounces, SceneError> {
         })
 }
 
-/// `[bake]`, and the places of the keys that are read but not obeyed yet.
-pub(crate) fn bake(mut fields: Fields) -> Result<(BakeKeys, Vec<String>), SceneError> {
+/// `[bake]`.
+pub(crate) fn bake(mut fields: Fields) -> Result<BakeKeys, SceneError> {
     fields.allow(&BAKE)?;
     let mut keys = BakeKeys::default();
-    let mut warnings = Vec::new();
     if let Some(item) = fields.take("error") {
         keys.error = Some(item.number((Excluded(0.0), Excluded(1.0)), "above 0 and below 1")?);
     }
@@ -174,12 +173,8 @@ pub(crate) fn bake(mut fields: Fields) -> Result<(BakeKeys, Vec<String>), SceneE
     keys.coefficients = count("coefficients", 1..=u32::MAX)?;
     if let Some(item) = fields.take("fixed_albedo") {
         keys.fixed_albedo = item.flag()?;
-        if keys.fixed_albedo {
-            let place = item.place().line_only();
-            warnings.push(format!("{place}: [bake] fixed_albedo is not rendered yet"));
-        }
     }
-    Ok((keys, warnings))
+    Ok(keys)
 }
 
 /// `[golden]`; the mask's path is relative to `folder`.
