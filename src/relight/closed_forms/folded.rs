@@ -16,7 +16,7 @@ use crate::simd::Level;
 /// Of folded bounces against bounces one by one: 0.5 % may be left out with small
 /// components, steps of eight bits are as much, and a light near a wall has more
 /// that the basis cannot express than those that components are chosen by.
-const FOLDED: f64 = 0.02;
+const FOLDED: f64 = 0.01;
 
 /// The bake with its bounces folded under an albedo a vertex.
 fn folded(baked: &Baked, albedo: &[Vec3]) -> Bake {
