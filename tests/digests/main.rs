@@ -66,6 +66,13 @@ const COURTYARD: Mesh = Mesh {
     frames: &[("courtyard", "courtyard"), ("courtyard-evening", "evening")],
     every_run_bakes: false,
 };
+/// Lobes and slices, a point light and a rectangle.
+const GLOSSY: Mesh = Mesh {
+    folder: "glossy",
+    max_edge: "0.6",
+    frames: &[("glossy", "glossy")],
+    every_run_bakes: false,
+};
 /// The size that the method was published with.
 const STATUES: Mesh = Mesh {
     folder: "statues",
@@ -73,8 +80,8 @@ const STATUES: Mesh = Mesh {
     frames: &[("statues", "statues")],
     every_run_bakes: false,
 };
-const MESHES: [&Mesh; 8] = [
-    &CORNELL, &TINY, &WINDOW, &SHEET, &PLANK, &SPHERE, &COURTYARD, &STATUES,
+const MESHES: [&Mesh; 9] = [
+    &CORNELL, &TINY, &WINDOW, &SHEET, &PLANK, &SPHERE, &COURTYARD, &GLOSSY, &STATUES,
 ];
 
 #[test]
@@ -110,6 +117,11 @@ fn sphere() {
 #[test]
 fn courtyard() {
     check(&COURTYARD);
+}
+
+#[test]
+fn glossy() {
+    check(&GLOSSY);
 }
 
 #[test]
