@@ -23,12 +23,14 @@ const SHORT: [(&str, &str); 4] = [
 ];
 
 /// What a picture is drawn without.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 enum Lacks {
     Nothing,
     Bake,
     /// Bounces folded under the albedo as it is: they were carried out one by one.
     Folding,
+    /// Bounced gloss of this material.
+    Slices(String),
 }
 
 /// What is known of the session, for the status line.
@@ -102,10 +104,11 @@ impl Status {
             }
         }
         self.clamped_pixels = drawn.clamped_pixels;
-        let lacks = match (drawn.lacks_bake, drawn.lacks_folding) {
-            (true, _) => Lacks::Bake,
-            (false, true) => Lacks::Folding,
-            (false, false) => Lacks::Nothing,
+        let lacks = match &drawn.lacks_slices_of {
+            _ if drawn.lacks_bake => Lacks::Bake,
+            _ if drawn.lacks_folding => Lacks::Folding,
+            Some(name) => Lacks::Slices(name.clone()),
+            None => Lacks::Nothing,
         };
         self.last = Some((drawn.sharpness, drawn.stages.clone(), lacks));
     }
@@ -145,6 +148,7 @@ impl Status {
         match (lacks, self.stated_error) {
             (Lacks::Bake, _) => figures.push("no bounces and no sky yet".to_owned()),
             (Lacks::Folding, _) => figures.push("this albedo needs a bake".to_owned()),
+            (Lacks::Slices(name), _) => figures.push(format!("no bounced gloss of {name} yet")),
             (Lacks::Nothing, Some(error)) => figures.push(format!("error {:.1} %", 100.0 * error)),
             (Lacks::Nothing, None) => {}
         }
