@@ -67,12 +67,7 @@ impl Command {
     pub(crate) fn is_part_of_a_burst(self) -> bool {
         !matches!(
             self,
-            Self::Add(_)
-                | Self::Duplicate
-                | Self::Delete
-                | Self::Mute
-                | Self::Solo
-                | Self::Kind(_)
+            Self::Add(_) | Self::Duplicate | Self::Delete | Self::Mute | Self::Solo | Self::Kind(_)
         )
     }
 }

@@ -229,6 +229,8 @@ pub(crate) fn help() -> Vec<(String, &'static str)> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::brdf::NAMED_BRDFS;
+    use crate::relight::COMPONENTS;
 
     fn mean(name: &str) -> Meaning {
         meaning(None, Key::parse(name).unwrap())
@@ -253,6 +255,31 @@ mod tests {
                 .iter()
                 .all(|first| !seen.contains(&[None, Some(*first)]))
         );
+    }
+
+    #[test]
+    fn the_numbers_show_the_components_that_the_help_names() {
+        let names = COMPONENTS.map(|(name, _)| name.replace('-', " "));
+        let help = format!("component: {}", names.join(", "));
+        let row = ROWS.iter().find(|row| row.help == help);
+        let shown = row.expect("a row names them all in their order").keys;
+        for (index, (_, component)) in COMPONENTS.iter().enumerate() {
+            let digit = (index + 1) % 10;
+            assert_eq!(
+                shown[index],
+                (digit.to_string().as_str(), C::Show(index as u8)),
+                "{component}"
+            );
+        }
+        assert_eq!(shown.len(), COMPONENTS.len());
+    }
+
+    #[test]
+    fn the_help_names_the_kinds_of_surfaces_in_their_order() {
+        let kinds = NAMED_BRDFS.map(|kind| kind.name).join(", ");
+        let row = ROWS.iter().find(|row| row.help.ends_with(&kinds));
+        let keys = [("}", C::Kind(1)), ("{", C::Kind(-1))];
+        assert_eq!(row.map(|row| row.keys), Some(keys.as_slice()));
     }
 
     #[test]

@@ -3,6 +3,7 @@
 mod drags;
 mod files;
 mod sequences;
+mod surfaces;
 
 use std::fs;
 use std::path::PathBuf;

@@ -18,8 +18,7 @@ use crate::scene::{Camera, Material};
 impl Program {
     /// A picture has come.
     pub(super) fn look(&mut self, number: u64, drawn: Drawn, now: Duration) -> Vec<Effect> {
-        let lacks_bake =
-            drawn.lacks_bake || drawn.lacks_folding || drawn.lacks_slices_of.is_some();
+        let lacks_bake = drawn.lacks_bake || drawn.lacks_folding || drawn.lacks_slices_of.is_some();
         let lacks_bake = lacks_bake && self.bake == BakeState::Settled;
         self.oldest = number;
         self.status.drew(&drawn, now);

@@ -40,9 +40,8 @@ fn edit(
 ) -> Result<(), SaveError> {
     let list = editor.list("material")?;
     let mut entries = list.entries().iter();
-    let index = entries.position(|entry| {
-        entry.key("name").and_then(|key| key.string.as_deref()) == Some(name)
-    });
+    let index = entries
+        .position(|entry| entry.key("name").and_then(|key| key.string.as_deref()) == Some(name));
     let place = index.map(|index| Place::Entry("material", index));
     let entry = index.and_then(|index| list.entries().get(index));
     let has_brdf = entry.is_some_and(|entry| entry.key("brdf").is_some())
@@ -63,7 +62,10 @@ fn edit(
         Some(place) => set_all(editor, place, &keys),
         None => {
             let mut entry = vec![("name", quoted(name))];
-            entry.extend(keys.iter().map(|(key, value)| (*key, written(value).text())));
+            entry.extend(
+                keys.iter()
+                    .map(|(key, value)| (*key, written(value).text())),
+            );
             editor.append_entry("material", &entry)
         }
     }

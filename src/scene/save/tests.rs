@@ -2,6 +2,7 @@
 
 mod entries;
 mod many_lights;
+mod materials;
 mod overrides;
 
 use std::path::Path;

@@ -89,7 +89,10 @@ fn a_reload_with_other_materials_is_undone_by_their_names() {
     assert_eq!(room.hands.document().lights(), lights);
     assert_eq!(albedo(&room, &names[1]), darker);
     assert_eq!(albedo(&room, "another"), Vec3::splat(0.125));
-    assert_eq!(room.hands.document().reflections.len(), scene.materials.len());
+    assert_eq!(
+        room.hands.document().reflections.len(),
+        scene.materials.len()
+    );
     room.keys("u u");
     assert_eq!(albedo(&room, &names[1]), room.scene.materials[1].albedo);
 }
