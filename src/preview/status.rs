@@ -132,6 +132,10 @@ impl Status {
     /// What is said in figures, the most important first.
     pub(crate) fn figures(&self) -> Vec<String> {
         let mut figures = Vec::new();
+        if let Some((_, _, Lacks::Slices(name))) = &self.last {
+            let name = if name.is_empty() { UNNAMED } else { name };
+            figures.push(format!("no bounced gloss of {name} yet"));
+        }
         if let Some((stage, share)) = self.baking {
             figures.push(format!("{stage} {:.0} %", 100.0 * share));
         }
@@ -148,9 +152,8 @@ impl Status {
         match (lacks, self.stated_error) {
             (Lacks::Bake, _) => figures.push("no bounces and no sky yet".to_owned()),
             (Lacks::Folding, _) => figures.push("this albedo needs a bake".to_owned()),
-            (Lacks::Slices(name), _) => figures.push(format!("no bounced gloss of {name} yet")),
             (Lacks::Nothing, Some(error)) => figures.push(format!("error {:.1} %", 100.0 * error)),
-            (Lacks::Nothing, None) => {}
+            (Lacks::Nothing, None) | (Lacks::Slices(_), _) => {}
         }
         if self.clamped_pixels > 0 {
             figures.push(format!("{} pixels below 0", self.clamped_pixels));

@@ -94,7 +94,7 @@ fn other_colours_stand_where_the_brdf_stood() {
 #[test]
 fn a_brdf_of_an_override_does_not_win_over_an_edit() {
     let sets = [
-        "material.wall.brdf=brushed metal",
+        "material.wall.brdf=\"brushed metal\"",
         "material.floor.brdf=satin",
         "material.wall.emission=[1, 1, 1]",
     ];
