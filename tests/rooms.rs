@@ -33,8 +33,9 @@ const ROOMS: [&str; 16] = [
 /// The binary: `src/main.rs` and `src/cli/`.
 const BINARY: &str = "cli";
 /// Dependencies, each with the only rooms that name it.
-const OWNED: [(&str, &[&str]); 17] = [
+const OWNED: [(&str, &[&str]); 18] = [
     ("obvhs", &["surface"]),
+    ("spade", &["surface"]),
     ("tobj", &["scene"]),
     ("toml", &["scene"]),
     ("toml_edit", &["scene"]),

@@ -285,11 +285,16 @@ impl Bake {
 
     /// Irradiance of all bounces in slots, W/m2, from the radiosity before any,
     /// where they are folded: under the albedo that [`Self::fold`] was given.
-    pub(crate) fn all_bounces(&self, level: Level, source: &[[f32; 3]]) -> Option<Vec<[f32; 3]>> {
+    pub(crate) fn all_bounces(
+        &self,
+        level: Level,
+        source: &[[f32; 3]],
+        albedo: &[[f32; 3]],
+    ) -> Option<Vec<[f32; 3]>> {
         let (Operator::LowRank(near), Some(folded)) = (&self.operator, &self.folded) else {
             return None;
         };
-        Some(folded.apply(level, (&self.basis, near), source))
+        Some(folded.all_bounces(level, (&self.basis, near), (source, albedo)))
     }
 
     /// Bytes of the folded bounces; 0 without.

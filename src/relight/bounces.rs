@@ -91,7 +91,7 @@ impl Transport<'_> {
     /// albedo is the one that they were folded under.
     pub(crate) fn solve_folded(&self, source: &[Vec3], albedo: &[Vec3]) -> Option<Solution> {
         let (source, albedo) = (self.in_slots(source), self.in_slots(albedo));
-        let irradiance = self.bake.all_bounces(self.level, &source)?;
+        let irradiance = self.bake.all_bounces(self.level, &source, &albedo)?;
         Some(Solution {
             irradiance: self.at_vertices(&irradiance),
             outgoing: radiosity(&source, &albedo, &irradiance),

@@ -54,7 +54,7 @@
 //! | box on a floor | `nothing_is_lit_inside_a_box_on_the_floor` |
 //! | ... open below | `backs_of_a_standing_box_are_dark` |
 //! | thin wall | `a_room_that_shares_no_triangle_with_a_lit_one_is_black` |
-//! | ... on a common floor | `little_light_passes_below_a_wall_on_a_common_floor` * |
+//! | ... on a common floor | `little_light_passes_below_a_wall_on_a_common_floor` |
 //! | wall ten times finer | `a_wall_ten_times_finer_changes_nothing` |
 //! | T-junctions, cracks | `cracks_let_next_to_no_ray_out` |
 //! | faces of no meaning | `faces_without_meaning_leave_a_finite_picture` |

@@ -5,7 +5,8 @@ use std::collections::{HashMap, HashSet};
 
 use glam::{DVec2, Vec2, Vec3};
 
-use super::tessellate::tessellate;
+use super::contacts::Cuts;
+use super::tessellate::{PieceCorner, halve, tessellate, tessellate_piece};
 use crate::scene::{MeshTriangle, Placement, Scene, same_corners};
 
 /// No triangle, or no vertex.
@@ -35,6 +36,9 @@ pub(crate) struct LightingMesh {
     /// Texture coordinates of the corners of each triangle; empty in a scene
     /// that shows no texture.
     pub(crate) texture_coordinates: Vec<Option<[Vec2; 3]>>,
+    /// Edges on which something stands, by the indices of their ends, ascending:
+    /// the vertices on them are different ones for each side.
+    pub(crate) contacts: Vec<[u32; 2]>,
     /// Triangles dropped because they have no area in single precision.
     pub(crate) dropped: usize,
     /// Triangles dropped because an earlier one has the same corners: of two
@@ -75,6 +79,84 @@ impl Welder {
     }
 }
 
+/// A triangle of the file, placed.
+struct Source {
+    normals: Option<[Vec3; 3]>,
+    texture_coordinates: Option<[DVec2; 3]>,
+    /// Unit; zero for a triangle without area.
+    flat_normal: Vec3,
+    material: u32,
+}
+
+impl Source {
+    fn of(scene: &Scene, triangle: &MeshTriangle, corners: [Vec3; 3]) -> Self {
+        Self {
+            normals: source_normals(scene, triangle),
+            texture_coordinates: source_texture_coordinates(scene, triangle),
+            flat_normal: area_normal(corners).normalize_or_zero(),
+            material: triangle.material,
+        }
+    }
+}
+
+/// The lighting mesh as it grows by pieces of triangles.
+struct Pieces {
+    mesh: LightingMesh,
+    welder: Welder,
+    is_textured: bool,
+}
+
+impl Pieces {
+    /// Adds a piece. A thin piece beside a contact has its source's flat normal,
+    /// since its own is that of its corners' rounding.
+    fn add(&mut self, source: &Source, piece: [PieceCorner; 3], flat_normal: Option<Vec3>) {
+        let corners = piece.map(|c| self.welder.weld(c.position));
+        let area_normal = area_normal(piece.map(|c| c.position));
+        let length = area_normal.length();
+        if length <= 0.0
+            || corners[0] == corners[1]
+            || corners[1] == corners[2]
+            || corners[2] == corners[0]
+            || flat_normal.is_some_and(|normal| normal.dot(area_normal) <= 0.0)
+        {
+            self.mesh.dropped += 1;
+            return;
+        }
+        let flat_normal = flat_normal.unwrap_or(area_normal / length);
+        if self.is_textured {
+            let at = |uv: [DVec2; 3]| piece.map(|c| weighted(uv, c.source_barycentrics));
+            let uv = source.texture_coordinates.map(at);
+            self.mesh.texture_coordinates.push(uv);
+        }
+        self.mesh.triangles.push(SurfaceTriangle {
+            corners,
+            normals: piece.map(|c| match source.normals {
+                Some(n) => interpolated(n, c.source_barycentrics, flat_normal),
+                None => flat_normal,
+            }),
+            flat_normal,
+            area: 0.5 * length,
+            material: source.material,
+        });
+    }
+
+    /// Notes the edges on which something stands.
+    fn add_contacts(&mut self, cuts: &Cuts, max_edge: f32) {
+        for &[from, to] in &cuts.contacts {
+            let mut last = from;
+            let mut add = |next: PieceCorner| {
+                let [a, b] = [last, next].map(|c| self.welder.weld(c.position));
+                self.mesh.contacts.push([a.min(b), a.max(b)]);
+                last = next;
+            };
+            halve(from, to, max_edge, &mut add);
+            add(to);
+        }
+        self.mesh.contacts.sort_unstable();
+        self.mesh.contacts.dedup();
+    }
+}
+
 impl LightingMesh {
     /// Places and tessellates the scene's mesh; edges longer than `max_edge`
     /// (placed units) are cut.
@@ -85,49 +167,52 @@ impl LightingMesh {
             .iter()
             .map(|&p| placement.placed_from_file(p))
             .collect();
-        let mut welder = Welder::default();
         let mut mesh = Self::default();
+        let (triangles, corners) = mesh.distinct_triangles(scene, &placed);
+        let cuts = Cuts::of(&corners, max_edge);
+        let mut pieces = Pieces {
+            mesh,
+            welder: Welder::default(),
+            is_textured: has_textures(scene),
+        };
+        for (index, triangle) in triangles.into_iter().enumerate() {
+            let corners = corners[index];
+            let source = Source::of(scene, triangle, corners);
+            match cuts.pieces(index as u32) {
+                None => tessellate(corners, max_edge, &mut |piece| {
+                    pieces.add(&source, piece, None);
+                }),
+                Some(parts) => parts.iter().for_each(|&part| {
+                    tessellate_piece(part, max_edge, &mut |piece| {
+                        pieces.add(&source, piece, Some(source.flat_normal));
+                    });
+                }),
+            }
+        }
+        pieces.add_contacts(&cuts, max_edge);
+        pieces.mesh.positions = pieces.welder.positions;
+        pieces.mesh
+    }
+
+    /// The triangles of the scene with their placed corners, the first of those
+    /// that have the same; counts the others.
+    fn distinct_triangles<'s>(
+        &mut self,
+        scene: &'s Scene,
+        placed: &[Vec3],
+    ) -> (Vec<&'s MeshTriangle>, Vec<[Vec3; 3]>) {
         let mut seen = HashSet::new();
-        let is_textured = has_textures(scene);
+        let mut distinct = (Vec::new(), Vec::new());
         for triangle in &scene.mesh.triangles {
             let corners = triangle.corners.map(|c| placed[c as usize]);
-            if !seen.insert(same_corners(corners)) {
-                mesh.duplicates += 1;
-                continue;
+            if seen.insert(same_corners(corners)) {
+                distinct.0.push(triangle);
+                distinct.1.push(corners);
+            } else {
+                self.duplicates += 1;
             }
-            let normals = source_normals(scene, triangle);
-            let uv = source_texture_coordinates(scene, triangle).filter(|_| is_textured);
-            tessellate(corners, max_edge, &mut |piece| {
-                let corners = piece.map(|c| welder.weld(c.position));
-                let area_normal = area_normal(piece.map(|c| c.position));
-                let length = area_normal.length();
-                if length <= 0.0
-                    || corners[0] == corners[1]
-                    || corners[1] == corners[2]
-                    || corners[2] == corners[0]
-                {
-                    mesh.dropped += 1;
-                    return;
-                }
-                let flat_normal = area_normal / length;
-                if is_textured {
-                    let at = |uv: [DVec2; 3]| piece.map(|c| weighted(uv, c.source_barycentrics));
-                    mesh.texture_coordinates.push(uv.map(at));
-                }
-                mesh.triangles.push(SurfaceTriangle {
-                    corners,
-                    normals: piece.map(|c| match normals {
-                        Some(n) => interpolated(n, c.source_barycentrics, flat_normal),
-                        None => flat_normal,
-                    }),
-                    flat_normal,
-                    area: 0.5 * length,
-                    material: triangle.material,
-                });
-            });
         }
-        mesh.positions = welder.positions;
-        mesh
+        distinct
     }
 
     /// Texture coordinates of a triangle's corners, where it has them and the

@@ -6,6 +6,7 @@
 //! alone, except [`direct`], which asks what one light does to one point.
 
 mod close;
+mod contacts;
 mod detail;
 pub(crate) mod direct;
 mod forest;

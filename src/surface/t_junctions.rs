@@ -33,7 +33,8 @@ pub(super) fn report(
     ))
 }
 
-/// Positions of corners inside border edges, in the order of the corners.
+/// Positions of corners inside border edges, in the order of the corners. Those that
+/// cuts along contacts have made are none: what touches there is not joined.
 fn find(mesh: &LightingMesh, edges: &[MeshEdge]) -> Vec<Vec3> {
     let borders: Vec<[u32; 2]> = edges
         .iter()
@@ -43,6 +44,9 @@ fn find(mesh: &LightingMesh, edges: &[MeshEdge]) -> Vec<Vec3> {
     let mut corners: Vec<u32> = borders.iter().flatten().copied().collect();
     corners.sort_unstable();
     corners.dedup();
+    let mut of_contacts: Vec<u32> = mesh.contacts.iter().flatten().copied().collect();
+    of_contacts.sort_unstable();
+    corners.retain(|corner| of_contacts.binary_search(corner).is_err());
     let mut grid: HashMap<IVec3, Vec<u32>> = HashMap::new();
     for &corner in &corners {
         grid.entry(cell(mesh.positions[corner as usize]))

@@ -18,7 +18,8 @@ const LENGTH_SLACK: f32 = 1.0 + 1e-4;
 pub(super) struct PieceCorner {
     /// Placed units.
     pub(super) position: Vec3,
-    /// Barycentric coordinates in the source triangle (dyadic, exact).
+    /// Barycentric coordinates in the source triangle (dyadic and exact, unless
+    /// it is cut along contacts).
     pub(super) source_barycentrics: Vec3,
 }
 
@@ -29,13 +30,41 @@ pub(super) fn tessellate(
     max_edge: f32,
     emit: &mut impl FnMut([PieceCorner; 3]),
 ) {
-    let limit = max_edge * LENGTH_SLACK;
     let unit = [Vec3::X, Vec3::Y, Vec3::Z];
     let piece = [0, 1, 2].map(|k| PieceCorner {
         position: corners[k],
         source_barycentrics: unit[k],
     });
-    split(piece, limit * limit, emit);
+    tessellate_piece(piece, max_edge, emit);
+}
+
+/// The same for a piece of a triangle.
+pub(super) fn tessellate_piece(
+    piece: [PieceCorner; 3],
+    max_edge: f32,
+    emit: &mut impl FnMut([PieceCorner; 3]),
+) {
+    split(piece, limit_squared(max_edge), emit);
+}
+
+/// Hands over the points at which tessellation cuts an edge, in its direction.
+pub(super) fn halve(
+    from: PieceCorner,
+    to: PieceCorner,
+    max_edge: f32,
+    emit: &mut impl FnMut(PieceCorner),
+) {
+    if is_long(from.position, to.position, limit_squared(max_edge)) {
+        let middle = middle(from, to);
+        halve(from, middle, max_edge, emit);
+        emit(middle);
+        halve(middle, to, max_edge, emit);
+    }
+}
+
+fn limit_squared(max_edge: f32) -> f32 {
+    let limit = max_edge * LENGTH_SLACK;
+    limit * limit
 }
 
 /// Whether tessellation would cut the edge between two positions.

@@ -86,15 +86,18 @@ pub(crate) struct Joints {
 }
 
 /// Joins corners and triangles across smooth edges. Three or more triangles on
-/// an edge never join: where a wall stands on a floor, the floor's vertices on
-/// its two sides are different ones and nothing leaks.
+/// an edge never join, nor do those on a contact: where a wall stands on a floor,
+/// the floor's vertices on its two sides are different ones and nothing leaks.
+/// To a pixel the floor is one surface all the same.
 pub(crate) fn join(mesh: &LightingMesh) -> Joints {
     let mut corners = Forest::new(mesh.triangles.len() * 3);
     let mut patches = Forest::new(mesh.triangles.len());
     let mut edges = Vec::new();
     for sides in mesh.edge_sides().chunk_by(|a, b| a.corners == b.corners) {
+        let is_contact = mesh.contacts.binary_search(&sides[0].corners).is_ok();
         let (smooth, second) = match sides {
-            [a, b] => (join_pair(mesh, *a, *b, &mut corners), b.triangle),
+            [a, b] if is_contact => (join_pair(mesh, *a, *b, None), b.triangle),
+            [a, b] => (join_pair(mesh, *a, *b, Some(&mut corners)), b.triangle),
             _ => (false, NONE),
         };
         let smooth = smooth && is_map_continuous(mesh, sides);
@@ -134,10 +137,15 @@ fn is_map_continuous(mesh: &LightingMesh, sides: &[EdgeSide]) -> bool {
     }
 }
 
-/// Joins the corners at both ends of an edge between two triangles where their
-/// normals agree; returns whether they do at both ends so well that a pixel sees
+/// Joins the corners at both ends of an edge between two triangles, if any are to
+/// be joined, where their normals agree; returns whether they do at both ends so well that a pixel sees
 /// one surface.
-fn join_pair(mesh: &LightingMesh, a: EdgeSide, b: EdgeSide, corners: &mut Forest) -> bool {
+fn join_pair(
+    mesh: &LightingMesh,
+    a: EdgeSide,
+    b: EdgeSide,
+    mut corners: Option<&mut Forest>,
+) -> bool {
     let (s, t) = (
         &mesh.triangles[a.triangle as usize],
         &mesh.triangles[b.triangle as usize],
@@ -152,7 +160,9 @@ fn join_pair(mesh: &LightingMesh, a: EdgeSide, b: EdgeSide, corners: &mut Forest
     let mut smooth = true;
     for (k, l) in ends {
         let cosine = s.normals[k].dot(t.normals[l]);
-        if cosine >= CREASE_COSINE {
+        if cosine >= CREASE_COSINE
+            && let Some(corners) = &mut corners
+        {
             corners.join(a.triangle * 3 + k as u32, b.triangle * 3 + l as u32);
         }
         smooth &= cosine >= PIXEL_SMOOTH_COSINE;

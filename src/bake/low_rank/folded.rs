@@ -7,7 +7,8 @@
 //!
 //!   E ~ W x + R S^T M x,   R = (G - W) S,   and R ~ U V  by partition of receivers,
 //!
-//! so that a frame costs one bounce. U is shared by the channels: what bounces
+//! and a frame costs that and one bounce of T~ on top, E ~ T~ (x + rho E), which
+//! what is left out of E passes once more. U is shared by the channels: what bounces
 //! brings the same patterns to a receiver whatever its colour, and a product
 //! with RGB values costs as much as one with one channel. V stands over a table
 //! of three times the functions: those of red, then green, then blue.
@@ -70,9 +71,24 @@ pub(in crate::bake) struct FoldTask<'a> {
 }
 
 impl Folded {
-    /// E of all bounces in slots from the radiosity before any, rho E0; `near` is
-    /// T~.
-    pub(in crate::bake) fn apply(
+    /// E of all bounces in slots from the radiosity before any, rho E0, under the
+    /// albedo that was folded; `near` is T~.
+    pub(in crate::bake) fn all_bounces(
+        &self,
+        level: Level,
+        (basis, near): (&Basis, &LowRank),
+        (source, albedo): (&[[f32; 3]], &[[f32; 3]]),
+    ) -> Vec<[f32; 3]> {
+        let beyond = series::product(albedo, &self.apply(level, (basis, near), source));
+        let pairs = source.iter().zip(&beyond);
+        let outgoing: Vec<[f32; 3]> = pairs
+            .map(|(x, more)| [x[0] + more[0], x[1] + more[1], x[2] + more[2]])
+            .collect();
+        near.apply(level, basis, &outgoing)
+    }
+
+    /// The same before the last bounce.
+    fn apply(
         &self,
         level: Level,
         (basis, near): (&Basis, &LowRank),

@@ -26,7 +26,8 @@ impl FoldTask<'_> {
             }
             let of_light = lights.brightness.iter().map(|values| [values[light]; 3]);
             let source = product(self.albedo, &of_light.collect::<Vec<_>>());
-            let found = folded.apply(run.level, (self.basis, self.operator), &source);
+            let operator = (self.basis, self.operator);
+            let found = folded.all_bounces(run.level, operator, (&source, self.albedo));
             let limit = self.series().limit(&source);
             run.progress.advance(1);
             Ok(limit.and_then(|limit| {
