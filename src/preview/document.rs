@@ -15,6 +15,9 @@ const LARGEST_EXPOSURE: f32 = 64.0;
 /// rectangle: a little more than the reader of the scene file asks for.
 const LEAST_SINE: f64 = 1e-5;
 
+/// What a material without a name is called.
+pub(crate) const UNNAMED: &str = "(no material)";
+
 /// The state of an edited scene.
 #[derive(Debug, Clone)]
 pub(crate) struct Document {

@@ -11,7 +11,7 @@ use std::time::Duration;
 use glam::{DVec2, DVec3, Vec3};
 
 use super::command::{Command, Request};
-use super::document::{Changed, Document, reflection_summary, summary};
+use super::document::{Changed, Document, UNNAMED, reflection_summary, summary};
 use super::drag::Drag;
 use super::edits::{self, Context};
 use super::history::History;
@@ -126,7 +126,7 @@ impl Hands {
             Selection::Nothing => None,
             Selection::Light(index) => Some(&self.document.lights.get(index)?.light.name),
             Selection::Surface(index) => match self.material_names.get(index)?.as_str() {
-                "" => Some("(no material)"),
+                "" => Some(UNNAMED),
                 name => Some(name),
             },
         }

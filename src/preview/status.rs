@@ -4,6 +4,7 @@ use std::collections::VecDeque;
 use std::path::Path;
 use std::time::Duration;
 
+use super::document::UNNAMED;
 use super::painter::{Drawn, Sharpness};
 use super::screen::Written;
 use crate::relight::{Renderer, Stages};
