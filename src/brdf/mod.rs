@@ -21,7 +21,7 @@ mod named;
 pub(crate) use ggx::{Ggx, ViewedFrame};
 pub(crate) use glossy::{Glossy, GlossyMaterials};
 pub(crate) use lobe::Lobe;
-pub(crate) use named::DIELECTRIC;
+pub(crate) use named::{DIELECTRIC, is_metal, nearest_kind};
 pub use named::{NAMED_BRDFS, NamedBrdf};
 
 use glam::Vec3;

@@ -41,9 +41,9 @@ impl NamedBrdf {
 
     /// Albedo, specular colour and roughness of a material of this kind whose
     /// albedo and specular colour were these. Its colour is the albedo, of a metal
-    /// (whose albedo is black) the specular colour.
+    /// the specular colour.
     pub fn applied(&self, albedo: Vec3, specular: Vec3) -> (Vec3, Vec3, Option<f32>) {
-        let colour = if albedo == Vec3::ZERO {
+        let colour = if is_metal(albedo, specular) {
             specular
         } else {
             albedo
@@ -54,6 +54,27 @@ impl NamedBrdf {
             Some(roughness) => (colour, Vec3::splat(DIELECTRIC), Some(roughness)),
         }
     }
+}
+
+/// Whether a surface is a metal: its albedo is black, and what it reflects is not
+/// the lobe of a black dielectric.
+pub(crate) fn is_metal(albedo: Vec3, specular: Vec3) -> bool {
+    albedo == Vec3::ZERO && specular != Vec3::ZERO && specular != Vec3::splat(DIELECTRIC)
+}
+
+/// Place in [`NAMED_BRDFS`] of the kind that a surface is, or is most like: of those
+/// with or without a lobe, metal or not, the one of the nearest roughness.
+pub(crate) fn nearest_kind(albedo: Vec3, specular: Vec3, roughness: f32) -> usize {
+    let is_metal = is_metal(albedo, specular);
+    let distance = |kind: &NamedBrdf| match (kind.roughness, specular == Vec3::ZERO) {
+        (None, true) => Some(0.0),
+        (Some(of_kind), false) if kind.is_metal == is_metal => Some((of_kind - roughness).abs()),
+        _ => None,
+    };
+    let alike = NAMED_BRDFS.iter().enumerate();
+    let alike = alike.filter_map(|(index, kind)| Some((index, distance(kind)?)));
+    let nearest = alike.min_by(|a, b| a.1.total_cmp(&b.1));
+    nearest.map_or(0, |(index, _)| index)
 }
 
 #[cfg(test)]
@@ -71,5 +92,28 @@ mod tests {
             assert_eq!(albedo + specular * f32::from(u8::from(kind.is_metal)), red);
             assert_eq!(roughness.is_some(), specular != Vec3::ZERO, "{}", kind.name);
         }
+    }
+
+    #[test]
+    fn surfaces_are_of_the_kind_that_was_applied() {
+        for colour in [Vec3::new(0.7, 0.1, 0.1), Vec3::ONE] {
+            for (index, kind) in NAMED_BRDFS.iter().enumerate() {
+                let (albedo, specular, roughness) = kind.applied(colour, Vec3::ZERO);
+                let nearest = nearest_kind(albedo, specular, roughness.unwrap_or(1.0));
+                assert_eq!(nearest, index, "{}", kind.name);
+            }
+        }
+        let rougher = nearest_kind(Vec3::ONE, Vec3::splat(0.1), 0.4);
+        assert_eq!(NAMED_BRDFS[rougher].name, "plastic");
+    }
+
+    #[test]
+    fn black_plastic_is_no_metal_and_stays_black() {
+        let plastic = NamedBrdf::of_name("plastic").unwrap();
+        let (albedo, specular, _) = plastic.applied(Vec3::ZERO, Vec3::ZERO);
+        assert_eq!(
+            plastic.applied(albedo, specular),
+            (Vec3::ZERO, Vec3::splat(DIELECTRIC), Some(0.3))
+        );
     }
 }

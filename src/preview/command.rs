@@ -22,6 +22,9 @@ pub(crate) enum Command {
     Colder(i8),
     Hue(i8),
     Saturation(i8),
+    /// Makes the selected surface the next named kind.
+    Kind(i8),
+    Rougher(i8),
     Open(i8),
     OpenBeam(i8),
     Turn(i8),
@@ -64,7 +67,7 @@ impl Command {
     pub(crate) fn is_part_of_a_burst(self) -> bool {
         !matches!(
             self,
-            Self::Add(_) | Self::Duplicate | Self::Delete | Self::Mute | Self::Solo
+            Self::Add(_) | Self::Duplicate | Self::Delete | Self::Mute | Self::Solo | Self::Kind(_)
         )
     }
 }

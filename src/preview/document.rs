@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::{DVec3, Vec3};
 
 use crate::relight::Component;
-use crate::scene::{Area, Camera, Light, LightKind, Radiance, RenderKeys, Scene};
+use crate::scene::{Area, Camera, Light, LightKind, Radiance, Reflection, RenderKeys, Scene};
 
 /// Largest magnitude of a number of the scene file.
 const LARGEST: f64 = 1e30;
@@ -15,12 +15,15 @@ const LARGEST_EXPOSURE: f32 = 64.0;
 /// rectangle: a little more than the reader of the scene file asks for.
 const LEAST_SINE: f64 = 1e-5;
 
+/// What a material without a name is called.
+pub(crate) const UNNAMED: &str = "(no material)";
+
 /// The state of an edited scene.
 #[derive(Debug, Clone)]
 pub(crate) struct Document {
     pub(crate) lights: Vec<EditedLight>,
     /// One of each material of the scene.
-    pub(crate) albedos: Vec<Vec3>,
+    pub(crate) reflections: Vec<Reflection>,
     pub(crate) camera: Camera,
     pub(crate) render: RenderKeys,
     /// What is shown; not saved.
@@ -40,7 +43,8 @@ pub(crate) struct EditedLight {
 pub(crate) struct Changed {
     /// The lights that are shown.
     pub(crate) lights: bool,
-    pub(crate) albedos: bool,
+    /// How materials reflect.
+    pub(crate) reflections: bool,
     pub(crate) camera: bool,
     /// `[render]`: bounces, exposure or tone.
     pub(crate) render: bool,
@@ -60,7 +64,7 @@ impl Changed {
         let lights = lights_differ(&old.shown_lights(), &new.shown_lights());
         Self {
             lights,
-            albedos: old.albedos != new.albedos,
+            reflections: old.reflections != new.reflections,
             camera: old.camera != new.camera,
             render: old.render != new.render,
             component: old.component != new.component,
@@ -74,7 +78,7 @@ impl Document {
     pub(crate) fn of_scene(scene: &Scene, component: Component) -> Self {
         Self {
             lights: scene.lights.iter().cloned().map(EditedLight::new).collect(),
-            albedos: scene.materials.iter().map(|m| m.albedo).collect(),
+            reflections: Reflection::of_all(&scene.materials),
             camera: scene.camera,
             render: scene.render.clone(),
             component,
@@ -100,7 +104,7 @@ impl Document {
     /// Whether what would be saved differs.
     pub(crate) fn saves_as_other(&self, other: &Self) -> bool {
         lights_differ(&self.lights(), &other.lights())
-            || self.albedos != other.albedos
+            || self.reflections != other.reflections
             || self.camera != other.camera
             || self.render != other.render
     }
@@ -118,7 +122,7 @@ impl Document {
         };
         lights().all(|light| is_valid_kind(&light.kind))
             && lights().enumerate().all(names_differ)
-            && self.albedos.iter().all(|albedo| is_within(*albedo, 1.0))
+            && self.reflections.iter().all(is_valid_reflection)
             && is_valid_camera(&self.camera)
             && self.render.exposure.abs() <= LARGEST_EXPOSURE
     }
@@ -203,6 +207,23 @@ pub(crate) fn summary(kind: &LightKind) -> String {
     format!("{name}{place}{strength}")
 }
 
+/// How a material reflects in a few words, with so many places of its colours.
+pub(crate) fn reflection_summary(reflection: &Reflection, places: usize) -> String {
+    let colour = |name: &str, colour: Vec3| {
+        let [r, g, b] = colour.to_array();
+        format!("{name} {r:.places$} {g:.places$} {b:.places$}")
+    };
+    let mut parts = Vec::new();
+    if !reflection.is_metal() {
+        parts.push(colour("albedo", reflection.albedo));
+    }
+    if reflection.is_glossy() {
+        parts.push(colour("specular", reflection.specular));
+        parts.push(format!("roughness {:.3}", reflection.roughness));
+    }
+    parts.join(", ")
+}
+
 /// Three numbers to two places.
 pub(crate) fn triple(values: Vec3) -> String {
     let [x, y, z] = values.to_array();
@@ -241,6 +262,12 @@ fn states_differ(old: &[EditedLight], new: &[EditedLight]) -> bool {
             .iter()
             .zip(new)
             .any(|(old, new)| state(old) != state(new))
+}
+
+fn is_valid_reflection(reflection: &Reflection) -> bool {
+    is_within(reflection.albedo, 1.0)
+        && is_within(reflection.specular, 1.0)
+        && (0.0..=1.0).contains(&reflection.roughness)
 }
 
 fn is_valid_kind(kind: &LightKind) -> bool {

@@ -1,6 +1,7 @@
 //! Commands as edits: a document and what is selected in it, before and after.
 
 mod lists;
+mod surfaces;
 
 use glam::{DVec2, DVec3, Vec3};
 
@@ -15,6 +16,7 @@ use crate::maths::order::Order;
 use crate::relight::COMPONENTS;
 use crate::scene::{Bounces, Camera, LightKind, Tone};
 use lists::{add, delete, duplicate};
+use surfaces::{next_kind, paint, rougher};
 
 /// Factors a step: of light, of albedo, of saturation, of the camera's distance.
 const LIGHT_FACTOR: f64 = 1.189_207_115_002_721; // Four steps double it.
@@ -65,8 +67,8 @@ pub(super) fn apply(
         Command::Brighter(sign) => match *selection {
             Selection::Surface(index) => {
                 let factor = colour::factor(ALBEDO_FACTOR, signed(sign));
-                paint(document, index, context, |albedo| {
-                    colour::lighter(albedo, factor, LEAST_ALBEDO)
+                paint(document, index, context, |colour| {
+                    colour::lighter(colour, factor, LEAST_ALBEDO)
                 })
             }
             selection => brighten(document, selection, signed(sign)),
@@ -80,6 +82,8 @@ pub(super) fn apply(
                 colour::saturated(colour, factor)
             })
         }
+        Command::Kind(by) => next_kind(document, *selection, context, by),
+        Command::Rougher(sign) => rougher(document, *selection, context, signed(sign)),
         Command::Colder(sign) => heat(document, *selection, MIRED * signed(sign)),
         Command::Open(sign) => shape(document, *selection, |kind| {
             light_edits::open(kind, signed(sign))
@@ -239,8 +243,8 @@ fn recolour(
     new: impl Fn(Vec3) -> Vec3,
 ) -> Result<String, String> {
     if let Selection::Surface(index) = selection {
-        return paint(document, index, context, |albedo| {
-            colour::within_one(new(albedo))
+        return paint(document, index, context, |colour| {
+            colour::within_one(new(colour))
         });
     }
     let edited = selected(document, selection)?;
@@ -249,25 +253,6 @@ fn recolour(
     };
     document::set_colour(&mut edited.light.kind, new(old));
     Ok(said_colour(edited))
-}
-
-/// All materials of one name are one entry of the scene file.
-fn paint(
-    document: &mut Document,
-    index: usize,
-    context: &Context<'_>,
-    new: impl Fn(Vec3) -> Vec3,
-) -> Result<String, String> {
-    let missing = || "no such surface".to_owned();
-    let albedo = new(*document.albedos.get(index).ok_or_else(missing)?);
-    let name = context.material_names.get(index).ok_or_else(missing)?;
-    for (known, slot) in context.material_names.iter().zip(&mut document.albedos) {
-        if known == name {
-            *slot = albedo;
-        }
-    }
-    let [r, g, b] = albedo.to_array();
-    Ok(format!("{name}: albedo {r:.4} {g:.4} {b:.4}"))
 }
 
 fn shape(

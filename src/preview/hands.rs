@@ -11,7 +11,7 @@ use std::time::Duration;
 use glam::{DVec2, DVec3, Vec3};
 
 use super::command::{Command, Request};
-use super::document::{Changed, Document, summary, triple};
+use super::document::{Changed, Document, UNNAMED, reflection_summary, summary};
 use super::drag::Drag;
 use super::edits::{self, Context};
 use super::history::History;
@@ -126,7 +126,7 @@ impl Hands {
             Selection::Nothing => None,
             Selection::Light(index) => Some(&self.document.lights.get(index)?.light.name),
             Selection::Surface(index) => match self.material_names.get(index)?.as_str() {
-                "" => Some("(no material)"),
+                "" => Some(UNNAMED),
                 name => Some(name),
             },
         }
@@ -310,10 +310,11 @@ impl Hands {
             Selection::Nothing => None,
             Selection::Light(index) => Some(summary(&self.document.lights.get(index)?.light.kind)),
             Selection::Surface(index) => {
-                let albedo = self.document.albedos.get(index)?;
+                let reflection = self.document.reflections.get(index)?;
                 let emits = self.emits.get(index).copied().unwrap_or(false);
                 let emission = if emits { "; it emits, by its MTL" } else { "" };
-                Some(format!("albedo {}{emission}", triple(*albedo)))
+                let summary = reflection_summary(reflection, 2);
+                Some(format!("{summary}{emission}"))
             }
         }
     }

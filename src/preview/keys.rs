@@ -33,7 +33,7 @@ use Way::{Away, Closer, Down, Left, Right, Up};
 
 /// All keys. Of a pair, the small letter is more and the capital one less.
 #[rustfmt::skip]
-pub(crate) const ROWS: [Row; 39] = [
+pub(crate) const ROWS: [Row; 41] = [
     row("Select", &[("Tab", C::SelectLight(1)), ("shift+Tab", C::SelectLight(-1))], "next, previous light"),
     row("Select", &[("]", C::SelectSurface(1)), ("[", C::SelectSurface(-1))], "next, previous surface"),
     row("Select", &[("Esc", C::Deselect)], "select nothing"),
@@ -45,6 +45,8 @@ pub(crate) const ROWS: [Row; 39] = [
     row("Light or surface", &[("i", C::Brighter(1)), ("I", C::Brighter(-1))], "brighter, darker"),
     row("Light or surface", &[("c", C::Hue(1)), ("C", C::Hue(-1))], "hue forward, back"),
     row("Light or surface", &[("g", C::Saturation(1)), ("G", C::Saturation(-1))], "more colour, more grey"),
+    row("Surface", &[("}", C::Kind(1)), ("{", C::Kind(-1))], "next, previous kind: matte, satin, plastic, brushed metal, polished metal"),
+    row("Surface", &[(">", C::Rougher(1)), ("<", C::Rougher(-1))], "rougher, smoother gloss"),
     row("Light", &[("t", C::Colder(1)), ("T", C::Colder(-1))], "colder, warmer (temperature)"),
     row("Light", &[("o", C::Open(1)), ("O", C::Open(-1))], "wider, narrower cone; larger, smaller rectangle"),
     row("Light", &[("b", C::OpenBeam(1)), ("B", C::OpenBeam(-1))], "wider, narrower beam; longer, shorter second edge"),
@@ -64,7 +66,7 @@ pub(crate) const ROWS: [Row; 39] = [
     row("Camera", &[("z", C::Dolly(1)), ("Z", C::Dolly(-1))], "closer to, away from the middle"),
     row("Camera", &[("v", C::ResetView)], "the view of the file"),
     row("Camera", &[("V", C::LookAtSelected)], "look at the selected light, or the point clicked last"),
-    row("Picture", &[("1", C::Show(0)), ("2", C::Show(1)), ("3", C::Show(2)), ("4", C::Show(3)), ("5", C::Show(4)), ("6", C::Show(5)), ("7", C::Show(6)), ("8", C::Show(7)), ("9", C::Show(8))], "component: global, direct, indirect, irradiance, albedo, normal, depth, approximated direct, partitions"),
+    row("Picture", &[("1", C::Show(0)), ("2", C::Show(1)), ("3", C::Show(2)), ("4", C::Show(3)), ("5", C::Show(4)), ("6", C::Show(5)), ("7", C::Show(6)), ("8", C::Show(7)), ("9", C::Show(8)), ("0", C::Show(9))], "component: global, direct, indirect, glossy, irradiance, albedo, normal, depth, approximated direct, partitions"),
     row("Picture", &[("+", C::Bounces(1)), ("=", C::Bounces(1)), ("-", C::Bounces(-1)), ("*", C::AllBounces)], "more (either key), fewer, all bounces"),
     row("Picture", &[("e", C::Exposure(1)), ("E", C::Exposure(-1))], "exposure up, down by a third of a stop"),
     row("Picture", &[("/", C::Tone)], "other tone curve"),
@@ -227,6 +229,8 @@ pub(crate) fn help() -> Vec<(String, &'static str)> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::brdf::NAMED_BRDFS;
+    use crate::relight::COMPONENTS;
 
     fn mean(name: &str) -> Meaning {
         meaning(None, Key::parse(name).unwrap())
@@ -251,6 +255,31 @@ mod tests {
                 .iter()
                 .all(|first| !seen.contains(&[None, Some(*first)]))
         );
+    }
+
+    #[test]
+    fn the_numbers_show_the_components_that_the_help_names() {
+        let names = COMPONENTS.map(|(name, _)| name.replace('-', " "));
+        let help = format!("component: {}", names.join(", "));
+        let row = ROWS.iter().find(|row| row.help == help);
+        let shown = row.expect("a row names them all in their order").keys;
+        for (index, (_, component)) in COMPONENTS.iter().enumerate() {
+            let digit = (index + 1) % 10;
+            assert_eq!(
+                shown[index],
+                (digit.to_string().as_str(), C::Show(index as u8)),
+                "{component}"
+            );
+        }
+        assert_eq!(shown.len(), COMPONENTS.len());
+    }
+
+    #[test]
+    fn the_help_names_the_kinds_of_surfaces_in_their_order() {
+        let kinds = NAMED_BRDFS.map(|kind| kind.name).join(", ");
+        let row = ROWS.iter().find(|row| row.help.ends_with(&kinds));
+        let keys = [("}", C::Kind(1)), ("{", C::Kind(-1))];
+        assert_eq!(row.map(|row| row.keys), Some(keys.as_slice()));
     }
 
     #[test]

@@ -71,6 +71,9 @@ pub(crate) struct Drawn {
     /// Whether bounces were carried out one by one, since a fixed albedo is
     /// another now.
     pub(crate) lacks_folding: bool,
+    /// A material whose bounced gloss is missing: it had no lobe when the bake was
+    /// made.
+    pub(crate) lacks_slices_of: Option<String>,
     /// What the pixels show.
     pub(crate) seen: Arc<SeenSurfaces>,
 }
@@ -149,6 +152,7 @@ impl Painter {
             clamped_pixels: frame.clamped_pixels,
             lacks_bake: !self.renderer.has_bake() && self.renderer.needs_bake(&settings),
             lacks_folding: self.renderer.needs_folding(&settings),
+            lacks_slices_of: self.renderer.lacks_slices_of(&settings).map(str::to_owned),
             seen: Arc::new(self.renderer.seen()),
         }))
     }
@@ -176,6 +180,12 @@ impl Painter {
     pub(crate) fn lacks_folding(&mut self, wish: &Wish) -> bool {
         self.light(wish);
         self.renderer.needs_folding(&wish.frame)
+    }
+
+    /// A material of a wish whose bounced gloss the bake does not have.
+    pub(crate) fn lacks_slices_of(&mut self, wish: &Wish) -> Option<&str> {
+        self.light(wish);
+        self.renderer.lacks_slices_of(&wish.frame)
     }
 
     /// A frame of a wish at another size, as `render` draws it.

@@ -274,7 +274,7 @@ impl Program {
         }
         let mut effects = Vec::new();
         let changed = outcome.changed;
-        let redrawn = changed.lights || changed.albedos || changed.camera || changed.render;
+        let redrawn = changed.lights || changed.reflections || changed.camera || changed.render;
         if redrawn || changed.component {
             effects.extend(self.show());
         }

@@ -4,6 +4,7 @@ use std::collections::VecDeque;
 use std::path::Path;
 use std::time::Duration;
 
+use super::document::UNNAMED;
 use super::painter::{Drawn, Sharpness};
 use super::screen::Written;
 use crate::relight::{Renderer, Stages};
@@ -23,12 +24,14 @@ const SHORT: [(&str, &str); 4] = [
 ];
 
 /// What a picture is drawn without.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 enum Lacks {
     Nothing,
     Bake,
     /// Bounces folded under the albedo as it is: they were carried out one by one.
     Folding,
+    /// Bounced gloss of this material.
+    Slices(String),
 }
 
 /// What is known of the session, for the status line.
@@ -102,10 +105,11 @@ impl Status {
             }
         }
         self.clamped_pixels = drawn.clamped_pixels;
-        let lacks = match (drawn.lacks_bake, drawn.lacks_folding) {
-            (true, _) => Lacks::Bake,
-            (false, true) => Lacks::Folding,
-            (false, false) => Lacks::Nothing,
+        let lacks = match &drawn.lacks_slices_of {
+            _ if drawn.lacks_bake => Lacks::Bake,
+            _ if drawn.lacks_folding => Lacks::Folding,
+            Some(name) => Lacks::Slices(name.clone()),
+            None => Lacks::Nothing,
         };
         self.last = Some((drawn.sharpness, drawn.stages.clone(), lacks));
     }
@@ -129,6 +133,10 @@ impl Status {
     /// What is said in figures, the most important first.
     pub(crate) fn figures(&self) -> Vec<String> {
         let mut figures = Vec::new();
+        if let Some((_, _, Lacks::Slices(name))) = &self.last {
+            let name = if name.is_empty() { UNNAMED } else { name };
+            figures.push(format!("no bounced gloss of {name} yet"));
+        }
         if let Some((stage, share)) = self.baking {
             figures.push(format!("{stage} {:.0} %", 100.0 * share));
         }
@@ -146,7 +154,7 @@ impl Status {
             (Lacks::Bake, _) => figures.push("no bounces and no sky yet".to_owned()),
             (Lacks::Folding, _) => figures.push("this albedo needs a bake".to_owned()),
             (Lacks::Nothing, Some(error)) => figures.push(format!("error {:.1} %", 100.0 * error)),
-            (Lacks::Nothing, None) => {}
+            (Lacks::Nothing, None) | (Lacks::Slices(_), _) => {}
         }
         if self.clamped_pixels > 0 {
             figures.push(format!("{} pixels below 0", self.clamped_pixels));

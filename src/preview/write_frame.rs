@@ -22,6 +22,11 @@ pub(crate) fn write_frame(
     if painter.lacks_bake(wish) {
         return Err("the bake is not ready, and its light would be missing".to_owned());
     }
+    if let Some(name) = painter.lacks_slices_of(wish) {
+        return Err(format!(
+            "the bounced gloss of {name} needs a bake, which is not ready"
+        ));
+    }
     let frame = painter.whole_frame(wish, size, run);
     let frame = frame.map_err(|error| error.to_string())?;
     let levels = frame.develop(wish.exposure, wish.tone);

@@ -263,6 +263,20 @@ impl Renderer {
         (self.baked.is_none() && self.reads_bake(settings)) || self.needs_folding(settings)
     }
 
+    /// The first material with a lobe whose final bounce a frame would show if the
+    /// bake had slices of it: without a lobe when the scene was made ready, it has
+    /// none. A renderer of the scene as it is now has them.
+    pub(crate) fn lacks_slices_of(&self, settings: &FrameSettings) -> Option<&str> {
+        let asks = settings.component.needs_glossy() && self.reads_bake(settings);
+        if !asks || self.baked.is_none() || settings.gathers() {
+            return None;
+        }
+        let pairs = self.scene.materials.iter();
+        let mut pairs = pairs.zip(&self.surface.glossy_materials);
+        let lacking = pairs.find(|(material, is_known)| material.gloss().is_some() && !**is_known);
+        lacking.map(|(material, _)| material.name.as_str())
+    }
+
     /// Whether there is a bake, whatever it lacks.
     pub(crate) fn has_bake(&self) -> bool {
         self.baked.is_some()

@@ -45,6 +45,7 @@ pub(crate) use light::{
     Incident, LightSample, PlacedEnvironment, PlacedLight, PlacedLights, PlacedRectangle, PlacedSun,
 };
 pub use material::Material;
+pub(crate) use material::Reflection;
 pub(crate) use mesh::same_corners;
 pub use mesh::{Mesh, MeshTriangle};
 pub(crate) use placement::Placement;

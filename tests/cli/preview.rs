@@ -83,6 +83,24 @@ fn the_last_full_frame_is_what_render_writes_of_the_saved_scene() {
 }
 
 #[test]
+fn surfaces_of_another_kind_are_saved_and_drawn_as_render_does() {
+    let session = Session::new();
+    let before = session.rendered(&["--size", "60x40"]);
+    // White is satin and rougher; red is plastic, and matte again.
+    let report = session.played(
+        "0 resize 60 21\n0 rest\n0 key ]\n1 key }\n2 key >\n3 rest\n\
+         4 key ]\n5 key }\n6 key }\n7 rest\n8 key {\n9 key {\n10 key ctrl+s\n",
+    );
+    assert_eq!(report["unsaved"], false, "{report}");
+    let saved = session.rendered(&["--size", "60x40"]);
+    assert_eq!(report["digest"], saved);
+    assert_ne!(before, saved);
+    let text = fs::read_to_string(session.at("cornell.toml")).expect("the scene can be read");
+    let end = "[[material]]\nname = \"white\"\nspecular = [0.04, 0.04, 0.04]\nroughness = 0.6\n";
+    assert!(text.ends_with(end), "{text}");
+}
+
+#[test]
 fn a_script_gives_the_same_pictures_every_time() {
     let session = Session::new();
     let script = "0 resize 60 21\n0 key Tab\n1 mouse press left 30 6\n2 mouse drag left 34 9\n\

@@ -3,11 +3,11 @@
 use std::path::Path;
 use std::time::Duration;
 
-use glam::Vec3;
-
 use super::{Gesture, Hands, Selection, emits};
 use crate::preview::document::Document;
-use crate::scene::{Edited, EditedFile, Light, Override, SaveError, Scene, edited_file};
+use crate::scene::{
+    Edited, EditedFile, Light, Override, Reflection, SaveError, Scene, edited_file,
+};
 
 impl Hands {
     /// What is now is what the file holds.
@@ -36,7 +36,7 @@ impl Hands {
         Edited {
             lights,
             material_names: &self.material_names,
-            albedos: &document.albedos,
+            reflections: &document.reflections,
             camera: &document.camera,
             render: &document.render,
         }
@@ -44,7 +44,7 @@ impl Hands {
 
     /// Takes over a scene whose files were changed by someone else. Lights that
     /// were muted or soloed still are, and undo returns to what was before; of
-    /// materials that have come since then it leaves the albedos alone.
+    /// materials that have come since then it leaves the reflection alone.
     pub(crate) fn reload(&mut self, scene: &Scene) {
         let mut document = Document::of_scene(scene, self.document.component);
         for edited in &mut document.lights {
@@ -61,7 +61,7 @@ impl Hands {
         self.history.end_gesture();
         let names: Vec<String> = scene.materials.iter().map(|m| m.name.clone()).collect();
         if names != self.material_names {
-            self.rename_materials(names, &document.albedos);
+            self.rename_materials(names, &document.reflections);
         }
         self.saved = document.clone();
         self.document = document;
@@ -77,39 +77,42 @@ impl Hands {
     pub(crate) fn refresh(&mut self, scene: &Scene) {
         let names: Vec<String> = scene.materials.iter().map(|m| m.name.clone()).collect();
         let origins = origins(&self.material_names, &names);
-        let saved = std::mem::take(&mut self.saved.albedos);
-        let fresh: Vec<Vec3> = scene.materials.iter().map(|m| m.albedo).collect();
-        let albedos_of = |document: &Document| -> Vec<Vec3> {
+        let saved = std::mem::take(&mut self.saved.reflections);
+        let fresh = Reflection::of_all(&scene.materials);
+        let rebased = |document: &Document| -> Vec<Reflection> {
             let pairs = origins.iter().zip(&fresh);
-            let edited = |origin: usize| {
-                let albedo = document.albedos.get(origin).copied();
-                albedo.filter(|albedo| saved.get(origin) != Some(albedo))
+            let of_origin = |origin: usize, fresh: Reflection| {
+                let edited = document.reflections.get(origin)?;
+                Some(edited.rebased(*saved.get(origin)?, fresh))
             };
             pairs
-                .map(|(origin, fresh)| origin.and_then(edited).unwrap_or(*fresh))
+                .map(|(origin, fresh)| {
+                    let known = origin.and_then(|origin| of_origin(origin, *fresh));
+                    known.unwrap_or(*fresh)
+                })
                 .collect()
         };
         self.history.for_each(|(document, selection)| {
-            document.albedos = albedos_of(document);
+            document.reflections = rebased(document);
             *selection = carried(*selection, &origins);
         });
-        self.document.albedos = albedos_of(&self.document);
+        self.document.reflections = rebased(&self.document);
         self.selection = carried(self.selection, &origins);
-        self.saved.albedos = fresh;
+        self.saved.reflections = fresh;
         self.material_names = names;
         self.emits = emits(scene);
         self.drag = None;
     }
 
-    /// Materials of other names, or in another order, with their albedos: all that
+    /// Materials of other names, or in another order, and how they reflect: all that
     /// can be undone, and what is selected, is of them from now on.
-    fn rename_materials(&mut self, names: Vec<String>, albedos: &[Vec3]) {
+    fn rename_materials(&mut self, names: Vec<String>, reflections: &[Reflection]) {
         let old = std::mem::replace(&mut self.material_names, names);
         let origins = origins(&old, &self.material_names);
         self.history.for_each(|(document, selection)| {
-            let known = |origin: &Option<usize>| document.albedos.get((*origin)?).copied();
-            let pairs = origins.iter().zip(albedos);
-            document.albedos = pairs
+            let known = |origin: &Option<usize>| document.reflections.get((*origin)?).copied();
+            let pairs = origins.iter().zip(reflections);
+            document.reflections = pairs
                 .map(|(origin, new)| known(origin).unwrap_or(*new))
                 .collect();
             *selection = carried(*selection, &origins);
@@ -127,8 +130,8 @@ fn carried(selection: Selection, origins: &[Option<usize>]) -> Selection {
     new.map_or(Selection::Nothing, Selection::Surface)
 }
 
-/// Of each material the old one of its name. A second one of a name has the albedo
-/// of the first.
+/// Of each material the old one of its name. A second one of a name reflects like
+/// the first.
 fn origins(old: &[String], new: &[String]) -> Vec<Option<usize>> {
     let count_before = |names: &[String], index: usize| {
         names[..index]

@@ -3,6 +3,7 @@
 mod drags;
 mod files;
 mod sequences;
+mod surfaces;
 
 use std::fs;
 use std::path::PathBuf;
@@ -141,7 +142,7 @@ impl Room {
         let scene = Scene::load(&self.path, &[]).unwrap();
         let read = Document::of_scene(&scene, Component::Global);
         assert!(!read.saves_as_other(self.hands.document()));
-        assert_eq!(read.albedos, self.hands.document().albedos);
+        assert_eq!(read.reflections, self.hands.document().reflections);
         self.scene = scene;
         self.hands.mark_saved();
         String::from_utf8(new).unwrap()

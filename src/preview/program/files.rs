@@ -109,8 +109,9 @@ impl Program {
         self.hands.mark_saved();
         let document = self.hands.document();
         self.scene.lights = document.lights();
-        for (material, albedo) in self.scene.materials.iter_mut().zip(&document.albedos) {
-            material.albedo = *albedo;
+        let materials = self.scene.materials.iter_mut();
+        for (material, reflection) in materials.zip(&document.reflections) {
+            reflection.apply(material);
         }
         self.scene.camera = document.camera;
         self.scene.render = document.render.clone();

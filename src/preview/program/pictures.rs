@@ -18,7 +18,7 @@ use crate::scene::{Camera, Material};
 impl Program {
     /// A picture has come.
     pub(super) fn look(&mut self, number: u64, drawn: Drawn, now: Duration) -> Vec<Effect> {
-        let lacks_bake = drawn.lacks_bake || drawn.lacks_folding;
+        let lacks_bake = drawn.lacks_bake || drawn.lacks_folding || drawn.lacks_slices_of.is_some();
         let lacks_bake = lacks_bake && self.bake == BakeState::Settled;
         self.oldest = number;
         self.status.drew(&drawn, now);
@@ -66,19 +66,19 @@ impl Program {
             number: self.preparations,
             bake,
         };
+        // Of materials as they are now: a bake has slices for those with a lobe, and
+        // with a fixed albedo its bounces are folded under theirs.
         let mut scene = self.scene.clone();
-        if scene.bake.fixed_albedo {
-            scene.materials = self.materials();
-        }
+        scene.materials = self.materials();
         Effect::Prepare(wanted, Box::new(scene))
     }
 
     /// The materials as they are edited.
     fn materials(&self) -> Vec<Material> {
         let mut materials = self.scene.materials.clone();
-        let albedos = &self.hands.document().albedos;
-        for (material, albedo) in materials.iter_mut().zip(albedos) {
-            material.albedo = *albedo;
+        let reflections = &self.hands.document().reflections;
+        for (material, reflection) in materials.iter_mut().zip(reflections) {
+            reflection.apply(material);
         }
         materials
     }

@@ -2,6 +2,7 @@
 
 mod files;
 mod overrides;
+mod surfaces;
 
 use std::fs;
 

@@ -4,9 +4,9 @@ use super::editor::{Editor, Written};
 use super::in_force::InForce;
 use super::layout::Place;
 use super::values::{
-    Keys, Value, camera_keys, changed, kind_name, light_keys, quoted, render_keys, same, written,
+    Keys, camera_keys, changed, kind_name, light_keys, quoted, render_keys, written,
 };
-use super::{Edited, SaveError, spots};
+use super::{Edited, SaveError, materials, spots};
 use crate::scene::file::default_light_name;
 use crate::scene::{Light, LightKind, Override, Radiance};
 
@@ -37,7 +37,7 @@ impl<'a> Changes<'a> {
         let cameras = [self.loaded.camera, self.edited.camera].map(camera_keys);
         set_section(editor, &mut in_force, "camera", cameras)?;
         self.lights(editor, &mut in_force)?;
-        self.materials(editor, &mut in_force)?;
+        materials::write(editor, &mut in_force, self.loaded, self.edited)?;
         let renders = [self.loaded.render, self.edited.render].map(render_keys);
         set_section(editor, &mut in_force, "render", renders)?;
         Ok(in_force.into_overrides())
@@ -74,38 +74,6 @@ impl<'a> Changes<'a> {
             if origin.is_none() {
                 in_force.settle_light(&light.name, &[]);
                 insert_light(editor, index, light)?;
-            }
-        }
-        Ok(())
-    }
-
-    fn materials(&self, editor: &mut Editor, in_force: &mut InForce) -> Result<(), SaveError> {
-        let pairs = self.loaded.albedos.iter().zip(self.edited.albedos);
-        let mut seen: Vec<&str> = Vec::new();
-        for (name, (old, new)) in self.loaded.material_names.iter().zip(pairs) {
-            // A second material of a name is the first one without its maps.
-            if seen.contains(&name.as_str()) {
-                continue;
-            }
-            seen.push(name);
-            let albedo = Value::Colour(*new);
-            if same(&Value::Colour(*old), &albedo) {
-                continue;
-            }
-            in_force.settle_entry("material", name, "albedo");
-            let list = editor.list("material")?;
-            let mut entries = list.entries().iter();
-            let known = entries.position(|entry| {
-                entry.key("name").and_then(|key| key.string.as_deref()) == Some(name)
-            });
-            match known {
-                Some(index) => {
-                    editor.set(Place::Entry("material", index), "albedo", &written(&albedo))?;
-                }
-                None => editor.append_entry(
-                    "material",
-                    &[("name", quoted(name)), ("albedo", written(&albedo).text())],
-                )?,
             }
         }
         Ok(())
@@ -247,7 +215,7 @@ fn set_section(
     set_all(editor, Place::Section(section), &keys)
 }
 
-fn set_all(editor: &mut Editor, place: Place, keys: &Keys) -> Result<(), SaveError> {
+pub(super) fn set_all(editor: &mut Editor, place: Place, keys: &Keys) -> Result<(), SaveError> {
     for (key, value) in keys {
         editor.set(place, key, &written(value))?;
     }

@@ -31,6 +31,12 @@ impl InForce {
         given.next().copied()
     }
 
+    /// Whether an override gives a key of a light or a material.
+    pub(super) fn gives(&self, list: &str, name: &str, key: &str) -> bool {
+        let mut overrides = self.overrides.iter();
+        overrides.any(|set| is_of_entry(set, list, name, key))
+    }
+
     /// The file gives a key of a section from now on.
     pub(super) fn settle_section(&mut self, section: &str, key: &str) {
         let target = Target::Section {

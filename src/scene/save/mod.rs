@@ -12,6 +12,7 @@ mod file;
 mod in_force;
 mod layout;
 mod lists;
+mod materials;
 mod numbers;
 mod spots;
 #[cfg(test)]
@@ -20,24 +21,22 @@ mod values;
 
 use std::path::Path;
 
-use glam::Vec3;
-
 use super::file::Document;
 use super::files::{Disk, Files, Finder};
 use super::images::Images;
 use super::text::strict_text;
-use super::{Camera, Light, Override, RenderKeys, SceneError};
+use super::{Camera, Light, Override, Reflection, RenderKeys, SceneError};
 use changes::Changes;
 use editor::Editor;
-use values::Value;
+use values::reflection_keys;
 
 pub(crate) use file::{Saved, save_file};
 
 /// Byte order mark of UTF-8.
 const MARK: &str = "\u{feff}";
 
-/// What of a scene can be edited and saved, before or after: its lights, the albedos of its
-/// materials, its camera and its `[render]`.
+/// What of a scene can be edited and saved, before or after: its lights, how its
+/// materials reflect, its camera and its `[render]`.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Edited<'a> {
     /// Lights that were loaded, in their order, and new ones behind them.
@@ -45,7 +44,7 @@ pub(crate) struct Edited<'a> {
     /// Names of the materials of the scene.
     pub(crate) material_names: &'a [String],
     /// One of each material.
-    pub(crate) albedos: &'a [Vec3],
+    pub(crate) reflections: &'a [Reflection],
     pub(crate) camera: &'a Camera,
     pub(crate) render: &'a RenderKeys,
 }
@@ -132,7 +131,7 @@ fn check(read: &Document, loaded: Edited<'_>, edited: Edited<'_>) -> Result<(), 
         });
     for (what, differs) in [
         ("a light", lights_differ),
-        ("an albedo", albedos_differ(read, loaded, edited)),
+        ("a material", materials_differ(read, loaded, edited)),
         (
             "the camera",
             values::cameras_differ(&read.camera, edited.camera),
@@ -146,19 +145,21 @@ fn check(read: &Document, loaded: Edited<'_>, edited: Edited<'_>) -> Result<(), 
     Ok(())
 }
 
-/// An albedo that no `[[material]]` gives is the one of MTL, so it must be as it
-/// was loaded.
-fn albedos_differ(read: &Document, loaded: Edited<'_>, edited: Edited<'_>) -> bool {
+/// What no `[[material]]` gives is of MTL, so it must be as it was loaded; and so
+/// must be what a `brdf` makes of it, which stays only where neither was edited.
+fn materials_differ(read: &Document, loaded: Edited<'_>, edited: Edited<'_>) -> bool {
     let names = edited.material_names;
     let is_first = |index: &usize| !names[..*index].contains(&names[*index]);
     (0..names.len()).filter(is_first).any(|index| {
         let mut entries = read.materials.iter();
         let entry = entries.find(|entry| entry.name == names[index]);
-        let read = entry.and_then(|entry| entry.albedo);
-        let [loaded, edited] = [loaded, edited].map(|it| it.albedos[index]);
-        !values::same(
-            &Value::Colour(read.unwrap_or(loaded)),
-            &Value::Colour(edited),
-        )
+        let [mut read, edited] = [loaded, edited].map(|it| it.reflections[index]);
+        if let Some(entry) = entry {
+            let albedo = entry.albedo.filter(|_| entry.brdf.is_none());
+            read.albedo = albedo.unwrap_or(read.albedo);
+            read.specular = entry.specular.unwrap_or(read.specular);
+            read.roughness = entry.roughness.unwrap_or(read.roughness);
+        }
+        !values::changed(reflection_keys(read), reflection_keys(edited)).is_empty()
     })
 }

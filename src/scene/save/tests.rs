@@ -2,6 +2,7 @@
 
 mod entries;
 mod many_lights;
+mod materials;
 mod overrides;
 
 use std::path::Path;
@@ -65,20 +66,19 @@ fn load(bytes: &[u8], overrides: &[Override]) -> Scene {
 }
 
 /// What of a scene is saved, with the lists that it is made of.
-struct Parts(Scene, Vec<String>, Vec<Vec3>);
+struct Parts(Scene, Vec<String>, Vec<Reflection>);
 
 impl Parts {
     fn of(scene: &Scene) -> Self {
         let names = scene.materials.iter().map(|m| m.name.clone()).collect();
-        let albedos = scene.materials.iter().map(|m| m.albedo).collect();
-        Self(scene.clone(), names, albedos)
+        Self(scene.clone(), names, Reflection::of_all(&scene.materials))
     }
 
     fn edited(&self) -> Edited<'_> {
         Edited {
             lights: &self.0.lights,
             material_names: &self.1,
-            albedos: &self.2,
+            reflections: &self.2,
             camera: &self.0.camera,
             render: &self.0.render,
         }

@@ -5,7 +5,7 @@ use glam::{DVec3, Vec3};
 
 use super::editor::Written;
 use super::numbers;
-use crate::scene::{Bounces, Camera, LightKind, Radiance, RenderKeys, Tone};
+use crate::scene::{Bounces, Camera, LightKind, Radiance, Reflection, RenderKeys, Tone};
 
 /// A value of the scene file.
 #[derive(Debug, Clone, PartialEq)]
@@ -81,6 +81,15 @@ pub(super) fn light_keys(kind: &LightKind) -> Keys {
             keys
         }
     }
+}
+
+/// The keys of a `[[material]]` that are edited.
+pub(super) fn reflection_keys(reflection: Reflection) -> Keys {
+    vec![
+        ("albedo", Value::Colour(reflection.albedo)),
+        ("specular", Value::Colour(reflection.specular)),
+        ("roughness", Value::Single(reflection.roughness)),
+    ]
 }
 
 /// The keys of `[camera]`.

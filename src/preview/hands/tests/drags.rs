@@ -75,8 +75,8 @@ fn clicks_select_marks_then_surfaces_and_drags_elsewhere_orbit() {
     click(&mut room, [30, 13]);
     assert_eq!(room.hands.selection(), Selection::Surface(1));
     room.keys("I");
-    let albedos = &room.hands.document().albedos;
-    assert!(albedos[1].x < room.scene.materials[1].albedo.x);
+    let reflections = &room.hands.document().reflections;
+    assert!(reflections[1].albedo.x < room.scene.materials[1].albedo.x);
     click(&mut room, [4, 14]);
     assert_eq!(room.hands.selection(), Selection::Nothing);
     let camera = room.hands.document().camera;

@@ -60,7 +60,7 @@ fn a_sky_with_a_map_keeps_its_map() {
 fn albedo(room: &Room, name: &str) -> Vec3 {
     let mut names = room.hands.material_names.iter();
     let index = names.position(|known| known == name).unwrap();
-    room.hands.document().albedos[index]
+    room.hands.document().reflections[index].albedo
 }
 
 #[test]
@@ -89,7 +89,10 @@ fn a_reload_with_other_materials_is_undone_by_their_names() {
     assert_eq!(room.hands.document().lights(), lights);
     assert_eq!(albedo(&room, &names[1]), darker);
     assert_eq!(albedo(&room, "another"), Vec3::splat(0.125));
-    assert_eq!(room.hands.document().albedos.len(), scene.materials.len());
+    assert_eq!(
+        room.hands.document().reflections.len(),
+        scene.materials.len()
+    );
     room.keys("u u");
     assert_eq!(albedo(&room, &names[1]), room.scene.materials[1].albedo);
 }

@@ -199,9 +199,9 @@ fn other_values_are_not_given_out() {
     darker.materials[1].albedo = Vec3::splat(0.125);
     let darker = Parts::of(&darker);
     let painted = format!("{SCENE}[[material]]\nname = \"wall\"\nalbedo = [0.125, 0.125, 0.125]\n");
-    assert!(says(SCENE, &darker).unwrap().contains("an albedo"));
+    assert!(says(SCENE, &darker).unwrap().contains("a material"));
     assert_eq!(says(&painted, &darker), None);
-    assert!(says(&painted, &parts).unwrap().contains("an albedo"));
+    assert!(says(&painted, &parts).unwrap().contains("a material"));
     let moved = SCENE.replace("1.5, # y", "1.25, # y");
     assert!(says(&moved, &parts).unwrap().contains("a light"));
 }
