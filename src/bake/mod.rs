@@ -141,6 +141,9 @@ pub(crate) struct Bake {
     stats: BakeStats,
 }
 
+/// 16 coefficients of what arrives at a vertex by direction, RGB, W/m2.
+type SlicedLight = [[f32; 3]; HARMONICS];
+
 /// Which functions matter.
 struct Importance {
     /// sigma_k: RMS over prior lights of the light's coefficient.
@@ -337,7 +340,7 @@ impl Bake {
         level: Level,
         radiosity: &[[f32; 3]],
         cells: &[[f32; 3]],
-    ) -> Option<(&[u32], Vec<[[f32; 3]; HARMONICS]>)> {
+    ) -> Option<(&[u32], Vec<SlicedLight>)> {
         let slices = self.slices.as_ref()?;
         let light = slices.apply(level, &self.basis, radiosity, cells);
         Some((&slices.receivers, light))

@@ -50,6 +50,9 @@ pub(in crate::bake) struct Task<'a> {
     pub(in crate::bake) sky: &'a Basis,
 }
 
+/// (Sender, its weight by slice).
+type Entries = Vec<(u32, Coefficients)>;
+
 /// One glossy vertex, sampled and projected.
 struct FoundVertex {
     near: [GroupRows; GROUPS_A_VERTEX],
@@ -361,9 +364,7 @@ fn quantised_run(lanes: &[[f32; GROUP]], constant: &[f64]) -> GroupRows {
 }
 
 /// The senders with the largest weights, over all slices, and the others.
-fn split(
-    entries: Vec<(u32, Coefficients)>,
-) -> (Vec<(u32, Coefficients)>, Vec<(u32, Coefficients)>) {
+fn split(entries: Entries) -> (Entries, Entries) {
     let worth = |weights: &Coefficients| weights.iter().fold(0.0, |sum, w| sum + w * w);
     let mut order: Vec<usize> = (0..entries.len()).collect();
     order.sort_by(|&a, &b| worth(&entries[b].1).total_cmp(&worth(&entries[a].1)));

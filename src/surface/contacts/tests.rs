@@ -97,7 +97,7 @@ fn room(point: DVec3, margin: f64) -> Option<[i32; 4]> {
 }
 
 fn side(distance: f64, margin: f64) -> Option<i32> {
-    (distance.abs() > margin).then(|| if distance > 0.0 { 1 } else { -1 })
+    (distance.abs() > margin).then_some(if distance > 0.0 { 1 } else { -1 })
 }
 
 fn floor_triangles(mesh: &LightingMesh) -> impl Iterator<Item = u32> {
