@@ -7,16 +7,16 @@ use crate::bake::RunSettings;
 use crate::frame::{Image, compare};
 use crate::maths::order::Order;
 use crate::reference::{GlossyBounces, ReferencePart, ReferenceSettings};
-use crate::relight::{Component, FrameSettings, Renderer};
+use crate::relight::{Component, FrameSettings, Quality, Renderer};
 
 /// Roughnesses that all glossy materials are given in turn.
-pub(super) const ROUGHNESSES: [f32; 8] = [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.8, 1.0];
+pub(super) const ROUGHNESSES: [f32; 8] = [0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 1.0];
 /// Pixels of the longer side of these frames: there are eight of them.
 pub(super) const LONGER_SIDE: u32 = 160;
 /// Paths a pixel at most, in two halves.
 pub(super) const MOST_SAMPLES: u32 = 256;
 /// Side of the blocks whose means are compared.
-pub(super) const BLOCK: u32 = 4;
+pub(super) const BLOCK: u32 = 8;
 const SEEDS: [u32; 2] = [0x6105, 0x6106];
 
 /// One roughness.
@@ -46,21 +46,32 @@ pub(super) fn by_roughness(
     }
     let mut frame = FrameSettings {
         component: Component::Glossy,
+        quality: Quality::Standard,
         ..*frame
     };
     let longer = frame.camera.size[0].max(frame.camera.size[1]);
     let shrunk = |side: u32| (side * LONGER_SIDE / longer).clamp(1, side);
     frame.camera.size = frame.camera.size.map(shrunk);
+    let errors = of_each(renderer, &frame, samples.min(MOST_SAMPLES), run);
+    renderer.relight(|_, all| *all = materials);
+    errors
+}
+
+fn of_each(
+    renderer: &mut Renderer,
+    frame: &FrameSettings,
+    samples: u32,
+    run: &RunSettings,
+) -> Result<Vec<GlossyError>, MeasureError> {
     let mut errors = Vec::new();
     for roughness in ROUGHNESSES {
         renderer.relight(|_, all| {
             let glossy = all.iter_mut().filter(|it| it.gloss().is_some());
             glossy.for_each(|it| it.roughness = Some(roughness));
         });
-        let found = one(renderer, &frame, samples.min(MOST_SAMPLES), run)?;
+        let found = one(renderer, frame, samples, run)?;
         errors.push(GlossyError { roughness, ..found });
     }
-    renderer.relight(|_, all| *all = materials);
     Ok(errors)
 }
 

@@ -219,6 +219,10 @@ impl<'a> Lights<'a> {
             sum += found.reflected();
         }
         let by_lobe = |(sample, density): (LightSample, f32)| {
+            // A path's own directions do not lead there.
+            if sample.direction.dot(point.flat_normal) <= 0.0 {
+                return Vec3::ZERO;
+            }
             let arriving = arriving(&shadows, point, &sample);
             let drawn = lobe.glossy.density(&lobe.frame, sample.direction);
             let weight = density / (density + drawn).at_least(f32::MIN_POSITIVE);

@@ -56,13 +56,15 @@ impl Renderer {
     pub fn describe(&self, settings: &FrameSettings) -> Metadata {
         let mut metadata = describe_scene(self.scene(), &settings.camera);
         metadata.set_own("component", settings.component.to_string());
-        if settings.component.needs_indirect() {
+        let component = settings.component;
+        if component.needs_indirect() || component.needs_glossy() {
             metadata.set_own("bounces", bounces_text(settings.bounces));
         }
         if settings.component.needs_direct() {
             metadata.set_own("light_samples", settings.light_samples.to_string());
         }
-        let is_gathered = settings.component.needs_indirect() || settings.component.needs_direct();
+        let is_gathered =
+            component.needs_indirect() || component.needs_direct() || component.needs_glossy();
         if settings.gathers() && is_gathered {
             metadata.set_own("quality", settings.quality.name());
             metadata.set_own("gather.rays", RAYS.to_string());

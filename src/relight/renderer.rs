@@ -170,7 +170,9 @@ impl Renderer {
     /// `fixed_albedo`, another albedo needs a bake again: [`Self::needs_bake`].
     /// Materials stay as many as they were, and a map can be given to one only
     /// where the scene was loaded with texture coordinates for it. One name may
-    /// stand for two materials, with and without maps.
+    /// stand for two materials, with and without maps. One that had no specular colour
+    /// when the renderer was made has no slices: given one, it reflects lamps alone,
+    /// unless a gather is asked for ([`FrameSettings::quality`]).
     pub fn relight(
         &mut self,
         change: impl FnOnce(&mut Vec<crate::scene::Light>, &mut Vec<crate::scene::Material>),

@@ -3,6 +3,8 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
+use glam::Vec3;
+
 use super::file::Document;
 use super::file::fields::{key_error, suggestion};
 use super::files::{Disk, Files, Finder, Recorded};
@@ -137,6 +139,12 @@ fn override_materials(loaded: &mut Loaded, document: &Document) -> Result<(), Sc
             multiply(&mut maps.emission);
         }
         if let Some(brdf) = keys.brdf {
+            // Beside a map that stands alone the colour counts as white, and what the
+            // kind makes of it is said here.
+            if maps.albedo.as_ref().is_some_and(|map| map.stands_alone) {
+                material.albedo = Vec3::ONE;
+                multiply(&mut maps.albedo);
+            }
             let (albedo, specular, roughness) = brdf.applied(material.albedo, material.specular);
             *material = Material {
                 albedo,

@@ -34,7 +34,12 @@ impl SliceTransfer {
                 }
             }
         }
-        let arrived = sums[0][0] / (sums[0][0] + sums[1][0]);
+        let all = sums[0][0] + sums[1][0];
+        if all <= 0.0 {
+            // Wholly inside a body: nothing arrives.
+            return sums;
+        }
+        let arrived = sums[0][0] / all;
         for k in 0..HARMONICS {
             let noise = self.of_light_everywhere[k] - sums[0][k] - sums[1][k];
             sums[0][k] += noise * arrived;

@@ -37,7 +37,8 @@ const AGAINST_PATHS: f64 = 0.06;
 fn ball(albedo: f32, gloss: Option<(Vec3, f32)>) -> Scene {
     let mut mesh = SampleMesh::default();
     mesh.sphere(1.0, 8, Facing::Outward);
-    let mut scene = mesh.scene(&[albedo], 0.5, 1024);
+    // Constant light has no noise of rays.
+    let mut scene = mesh.scene(&[albedo], 0.5, 256);
     with_gloss(&mut scene, 0, gloss);
     scene.camera.position = DVec3::new(0.5, 1.0, 4.0);
     scene.camera.target = DVec3::ZERO;
@@ -187,7 +188,8 @@ fn all_light_is_direct_indirect_and_glossy() {
 
 #[test]
 fn a_lobe_is_switched_without_a_bake() {
-    let scene = room_with_ball(0.5);
+    let mut scene = room_with_ball(0.5);
+    scene.bake.rays = Some(128);
     let run = RunSettings::silent();
     let settings = FrameSettings::of_scene(&scene);
     let mut renderer = Renderer::new(scene.clone(), None);
