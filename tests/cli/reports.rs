@@ -226,9 +226,9 @@ fn pixels_below_zero_are_reported() {
         "--set",
         "render.bounces=1",
         "--set",
-        "bake.functions=40",
+        "bake.functions=80",
         "--set",
-        "light.lamp.position=[0.0,0.05,0.9]",
+        "light.lamp.position=[0.0,0.05,-0.9]",
     ];
     let render = |arguments: &[&str]| {
         let mut command = render_box_command(folder.path(), "frame.png", arguments);
