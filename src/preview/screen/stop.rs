@@ -3,7 +3,8 @@
 use std::io;
 use std::sync::atomic::Ordering;
 
-use rustix::process::{Signal, getpgrp, getppid, getsid, kill_current_process_group};
+use nix::unistd::{getpgrp, getppid, getsid};
+use rustix::process::{Signal, kill_current_process_group};
 use signal_hook::consts::SIGTSTP;
 use signal_hook::low_level::emulate_default_handler;
 
@@ -12,10 +13,13 @@ use super::shared::Expected;
 /// Whether somebody could continue the program: a shell with jobs, which is in our
 /// session and has put us into a group of our own. Of a group that is orphaned
 /// the system takes no stop from a terminal either.
+///
+/// In a container any of these numbers may be 0: of who lives outside. rustix
+/// takes it for impossible, so this asks by nix.
 pub(super) fn can_be_continued() -> bool {
     let session = getsid(None);
-    let parent = getppid().and_then(|parent| getsid(Some(parent)).ok());
-    session.is_ok_and(|session| parent == Some(session) && session != getpgrp())
+    let parent = getsid(Some(getppid()));
+    session.is_ok_and(|session| parent == Ok(session) && session != getpgrp())
 }
 
 /// Stops the process group; comes back when it is continued. The others of the
