@@ -3,6 +3,7 @@
 use glam::{DVec3, Vec3};
 
 use super::{Baked, at_most};
+use crate::bake::{RunSettings, Study, VertexFields};
 use crate::scene::sample_scenes::{cube_room, point_light, room_with_blocks};
 use crate::scene::{Bounces, Scene};
 
@@ -11,6 +12,16 @@ use crate::scene::{Bounces, Scene};
 const JUMP: f64 = 1.5;
 /// Edges between normals farther apart than 10 degrees are creases: cosine.
 const FLAT: f32 = 0.984_8;
+
+/// Albedo and bounces of both rooms.
+const ALBEDO: f32 = 0.7;
+const BOUNCES: u32 = 4;
+/// Rays a vertex of light that no basis touched, and their seed.
+const TRUE_RAYS: u32 = 1024;
+const TRUE_SEED: u32 = 0xb0_4de5;
+/// Largest jump at a border over that of the light itself: both have noise, of
+/// 4 and 3 % of E here.
+const OF_LIGHT: f64 = 1.1;
 
 /// Differences of E along the edges of the lit sides: across borders of
 /// partitions, and inside them.
@@ -40,7 +51,11 @@ fn jumps(room: &Baked, irradiance: &[Vec3]) -> [Vec<f64>; 2] {
 /// and the largest across borders, and the largest inside.
 fn relative_jumps(name: &str, scene: &Scene, position: DVec3) -> [f64; 3] {
     let room = Baked::new(scene);
-    let irradiance = room.indirect(&[point_light(position, 1.0)], 0.7, Bounces::Count(4));
+    let irradiance = room.indirect(
+        &[point_light(position, 1.0)],
+        ALBEDO,
+        Bounces::Count(BOUNCES),
+    );
     let [mut across, mut inside] = jumps(&room, &irradiance);
     assert!(
         across.len() > 100,
@@ -75,12 +90,52 @@ fn usual_jumps_at_borders_are_like_those_inside() {
     at_most("largest jump at a border, cube", largest, JUMP);
 }
 
+/// The same light by independent rays without a basis, by vertex.
+fn by_rays(room: &Baked, source: &[Vec3], albedo: f32) -> Vec<Vec3> {
+    let run = RunSettings::silent();
+    let study = Study::new(&room.surface, &room.bake, &run).expect("nobody stops it");
+    let arrivals = study
+        .trace(TRUE_SEED, TRUE_RAYS, &run)
+        .expect("nobody stops it");
+    let mut received = vec![0.0; source.len()];
+    for _ in 0..BOUNCES {
+        let pairs = source.iter().zip(&received);
+        let sent: Vec<f32> = pairs.map(|(own, e)| own.x + albedo * e).collect();
+        received = study
+            .bounce_by(&arrivals, &VertexFields::of_columns(&[sent]))
+            .values;
+    }
+    received.into_iter().map(Vec3::splat).collect()
+}
+
+/// Below a block beside the light the light itself jumps by 1.9 times what is
+/// usual (by 512 to 4,096 rays, with 512 to 1,024 functions and without any),
+/// and a border runs there. A border must add nothing to that.
 #[test]
-#[ignore = "fails: the largest jump is 1.87 with 64 functions for 1,000 vertices, and was 1.97 with \
-            32: what each side's functions cannot express ends at the border"]
-fn the_largest_jump_at_a_border_is_usual_inside() {
+fn a_border_adds_no_jump_to_those_of_the_light() {
     let scene = room_with_blocks(true, 0.1, 512);
-    let position = DVec3::new(0.2, 0.7, 0.5);
-    let [_, largest, _] = relative_jumps("room with blocks", &scene, position);
-    at_most("largest jump at a border, room with blocks", largest, JUMP);
+    let lights = [point_light(DVec3::new(0.2, 0.7, 0.5), 1.0)];
+    let room = Baked::new(&scene);
+    let irradiance = room.indirect(&lights, ALBEDO, Bounces::Count(BOUNCES));
+    let source: Vec<Vec3> = room.direct(&lights).iter().map(|&e| e * ALBEDO).collect();
+    let truth = by_rays(&room, &source, ALBEDO);
+    let pairs = irradiance.iter().zip(&truth);
+    let error: Vec<Vec3> = pairs.map(|(found, right)| *found - *right).collect();
+    let largest = |field: &[Vec3]| {
+        let [mut across, _] = jumps(&room, field);
+        across.sort_by(f64::total_cmp);
+        across[across.len() - 1]
+    };
+    let [_, mut inside] = jumps(&room, &irradiance);
+    inside.sort_by(f64::total_cmp);
+    let usual = inside[inside.len() * 99 / 100];
+    // Found 0.69, most of it noise of 512 and 1,024 rays.
+    at_most("jump that a border adds", largest(&error) / usual, JUMP);
+    // Found 1.05; 0.98 to 1.01 with other seeds of the truth.
+    let of_light = largest(&irradiance) / largest(&truth);
+    at_most(
+        "largest jump at a border over the light's",
+        of_light,
+        OF_LIGHT,
+    );
 }
