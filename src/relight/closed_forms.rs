@@ -28,8 +28,7 @@
 //! | `finite` | what has no meaning makes no frame that has none |
 //!
 //! Where the answer to a known hard case is tested, here and elsewhere;
-//! `case_table` checks the names. A star: ignored, since it fails; its reason
-//! says by how much.
+//! `case_table` checks the names, and that none is ignored.
 //!
 //! | case | tests |
 //! |---|---|
@@ -71,7 +70,7 @@
 //! | ... clusters | `no_cluster_is_cut` |
 //! | ... signs | `the_largest_entry_is_positive` |
 //! | partition borders | `usual_jumps_at_borders_are_like_those_inside` |
-//! | ... with blocks | `the_largest_jump_at_a_border_is_usual_inside` * |
+//! | ... with blocks | `a_border_adds_no_jump_to_those_of_the_light` |
 //! | partitions renamed | `renaming_partitions_changes_no_light` |
 //! | linearity | `bounced_light_is_linear` |
 //! | light off | `no_light_is_exactly_no_light` |
