@@ -52,12 +52,21 @@ const GLOBAL_BIAS: f64 = 0.01;
 const DIRECT_BLOCK_ERROR: f64 = 0.02;
 /// The same after four bounces: what a bake promises for indirect light.
 const GLOBAL_BLOCK_ERROR: f64 = 0.05;
+/// The same two of a final gather: what `--quality gather` promises.
+const GATHER_BIAS: f64 = 0.005;
+const GATHER_BLOCK_ERROR: f64 = 0.015;
 
-/// One comparison: a scene and its bounces.
+/// A scene, its bounces, and the frames that are compared with one reference.
 struct Case {
     name: String,
     scene: PathBuf,
     bounces: u32,
+    candidates: Vec<Candidate>,
+}
+
+/// A quality of frames and its limits.
+struct Candidate {
+    quality: &'static str,
     most_bias: f64,
     most_block_error: f64,
 }
@@ -82,7 +91,7 @@ fn relume_agrees_with_mitsuba() {
         .chain(written)
         .chain(extra_scenes())
         .flat_map(|(name, scene)| cases(&name, &scene))
-        .filter_map(|case| compare(&case, folder.path()).err())
+        .flat_map(|case| faults_of(&case, folder.path()))
         .collect();
     assert!(faults.is_empty(), "differs from Mitsuba: {faults:#?}");
 }
@@ -98,36 +107,44 @@ fn extra_scenes() -> Vec<(String, PathBuf)> {
 
 /// Direct light, then four bounces.
 fn cases(name: &str, scene: &Path) -> [Case; 2] {
-    let case = |bounces, most_bias, most_block_error| Case {
+    let case = |bounces, candidates| Case {
         name: format!("{name} with {bounces} bounces"),
         scene: scene.to_owned(),
         bounces,
+        candidates,
+    };
+    let candidate = |quality, most_bias, most_block_error| Candidate {
+        quality,
         most_bias,
         most_block_error,
     };
-    [
-        case(0, DIRECT_BIAS, DIRECT_BLOCK_ERROR),
-        case(4, GLOBAL_BIAS, GLOBAL_BLOCK_ERROR),
-    ]
+    let direct = candidate("standard", DIRECT_BIAS, DIRECT_BLOCK_ERROR);
+    let global = candidate("standard", GLOBAL_BIAS, GLOBAL_BLOCK_ERROR);
+    let gather = candidate("gather", GATHER_BIAS, GATHER_BLOCK_ERROR);
+    [case(0, vec![direct]), case(4, vec![global, gather])]
 }
 
-/// Renders both pictures and checks their difference.
-fn compare(case: &Case, folder: &Path) -> Result<(), String> {
+/// Renders the reference and its candidates; says which differ too much.
+fn faults_of(case: &Case, folder: &Path) -> Vec<String> {
     let reference = folder.join("reference.exr");
-    let candidate = folder.join("candidate.exr");
     render_with_mitsuba(case, &reference);
-    render_with_relume(case, folder, &candidate);
+    let compared = case.candidates.iter().map(|candidate| {
+        let frame = folder.join("candidate.exr");
+        render_with_relume(case, candidate, folder, &frame);
+        let difference = difference(&frame, &reference);
+        let told = format!("{}, {}: {difference}", case.name, candidate.quality);
+        report(&told);
+        (!agrees(candidate, &difference)).then_some(told)
+    });
+    compared.flatten().collect()
+}
 
-    let difference = difference(&candidate, &reference);
-    report(&format!("{}: {difference}", case.name));
+/// Whether a difference is within the limits, and the picture not black.
+fn agrees(candidate: &Candidate, difference: &Value) -> bool {
     let number = |key: &str| difference[key].as_f64().unwrap_or(f64::NAN);
-    let is_lit = number("reference_mean") > 0.0;
-    let agrees =
-        number("bias").abs() <= case.most_bias && number("block_rel_rmse") <= case.most_block_error;
-    if is_lit && agrees {
-        return Ok(());
-    }
-    Err(format!("{}: {difference}", case.name))
+    number("reference_mean") > 0.0
+        && number("bias").abs() <= candidate.most_bias
+        && number("block_rel_rmse") <= candidate.most_block_error
 }
 
 fn scene_path(name: &str) -> PathBuf {
@@ -147,7 +164,7 @@ fn render_with_mitsuba(case: &Case, output: &Path) {
 }
 
 /// The cache is the folder's own, so both frames of a scene share one bake.
-fn render_with_relume(case: &Case, folder: &Path, output: &Path) {
+fn render_with_relume(case: &Case, candidate: &Candidate, folder: &Path, output: &Path) {
     run(Command::new(env!("CARGO_BIN_EXE_relume"))
         .arg("render")
         .arg(&case.scene)
@@ -155,7 +172,7 @@ fn render_with_relume(case: &Case, folder: &Path, output: &Path) {
         .arg(output)
         .arg("--cache-dir")
         .arg(folder.join("cache"))
-        .args(["--size", SIZE])
+        .args(["--size", SIZE, "--quality", candidate.quality])
         .args(["--bounces", &case.bounces.to_string()]));
 }
 

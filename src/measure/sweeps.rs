@@ -16,13 +16,13 @@ use crate::scene::Bounces;
 /// published scheme.)
 const FUNCTIONS: [u32; 7] = [32, 64, 128, 256, 512, 1024, 2048];
 const COEFFICIENTS: [u32; 6] = [16, 32, 64, 128, 256, 512];
-const RAYS: [u32; 4] = [384, 768, 1536, MOST_RAYS];
+const RAYS: [u32; 5] = [384, 768, 1536, 3072, MOST_RAYS];
 /// Points for a scene whose rays are not kept, where a bake traces its own.
 const FEW_COEFFICIENTS: [u32; 3] = [32, 64, 128];
 const FEW_FUNCTIONS: [u32; 2] = [256, 1024];
 /// Most rays a vertex of a sweep: those of a bake by default, which then need not
 /// be traced for every point.
-pub(super) const MOST_RAYS: u32 = 3072;
+pub(super) const MOST_RAYS: u32 = 6144;
 /// Times that the bounces of a point are timed; the least counts, since other
 /// programs only ever add to it.
 pub(super) const TIMED: usize = 15;

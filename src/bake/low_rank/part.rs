@@ -30,7 +30,7 @@ const FORGOTTEN: f64 = 1e-7;
 /// that bakes stated their error by at the time: cornell 130 and 86, 1.31 and 1.37;
 /// window 211 and 101, 2.42 and 2.75.
 const ENTRY_OVER_NOISE: f64 = 2.0;
-/// What the sample of noise counts, as an amplitude: at the default of 3,072 rays it
+/// What the sample of noise counts, as an amplitude: at 3,072 rays it
 /// has some four times the energy of the noise (`smooth`). Error of one bounce in per
 /// cent and bytes a vertex at 1, 0.71 and 0.5, under tuning lights: cornell 1.40, 1.32,
 /// 1.39 and 116, 122, 116; window 3.46, 2.98, 2.73 and 139, 157, 177; sheet 1.85, 1.74,

@@ -16,7 +16,7 @@
 //! d is half the difference between the first and the last half of the rays. Were
 //! the halves independent, the estimate would be without bias; as points of one
 //! scrambled set they are not, and d has 0.4 to 4.4 times the energy of the noise
-//! (toy rows: some 0.5 at 2,048 rays, 3 at 1,024, 4 at the default of 3,072, where
+//! (toy rows: some 0.5 at 2,048 rays, 3 at 1,024, 4 at 3,072, where
 //! it counts half for that, `NOISE_COUNTS` of `part`). Halves that were
 //! scrambled each for itself made all of it worse, since one set of 3,072 points
 //! is so much better than two of 1,536: error of one bounce 1.53 for 1.37 % in
