@@ -286,12 +286,16 @@ impl Renderer {
 
     /// Whether a frame depends on the bake.
     pub(super) fn reads_bake(&self, settings: &FrameSettings) -> bool {
-        let is_sky = |light: &Light| matches!(light.kind, LightKind::Environment(_));
-        let has_sky = self.scene.lights.iter().any(is_sky);
         let sees_sky = settings.component.needs_direct() || settings.component.needs_glossy();
-        let needs_sky = sees_sky && has_sky;
+        let needs_sky = sees_sky && self.has_sky();
         let needs_basis = settings.component.needs_basis();
         settings.needs_bounces() || needs_sky || needs_basis
+    }
+
+    /// Whether a light is a sky.
+    pub(super) fn has_sky(&self) -> bool {
+        let is_sky = |light: &Light| matches!(light.kind, LightKind::Environment(_));
+        self.scene.lights.iter().any(is_sky)
     }
 
     /// What the user should know about mesh and cache; each sentence once.

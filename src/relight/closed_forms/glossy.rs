@@ -1,5 +1,7 @@
 //! Glossy surfaces: what a furnace leaves of them, and what 16 slices show.
 
+use std::sync::Arc;
+
 use glam::{DVec3, Vec3};
 
 use super::{at_least, at_most, frame_of, frames_of, largest};
@@ -14,7 +16,7 @@ use crate::relight::{Component, FrameSettings, Renderer};
 use crate::scene::sample_scenes::{
     BOX_SIDES, Facing, SampleMesh, constant_sky, cube_room, point_light,
 };
-use crate::scene::{Bounces, Light, LightKind, Scene};
+use crate::scene::{Bounces, Light, LightKind, PlacedLights, Scene};
 use crate::simd::Level;
 
 /// Pixels of a ball that a furnace should hide: all of a diffuse one, those of glossy
@@ -88,7 +90,7 @@ fn slices_bring_the_tabulated_albedo_of_constant_light() {
     let (surface, bake) = renderer.transfer();
     let bake = bake.unwrap();
     let outgoing = vec![[1.0; 3]; bake.basis().slot_count()].into();
-    let light = KeptGlossyLight::default().of(bake, Level::detect(), &outgoing, &[]);
+    let light = KeptGlossyLight::default().of(bake, Level::detect(), Some(outgoing), &[]);
     for roughness in [0.2, 0.4, 0.6, 1.0] {
         let gloss = Gloss::of(Vec3::ONE, roughness);
         let materials = GlossyMaterials::of_all([gloss].into_iter());
@@ -206,6 +208,49 @@ fn a_lobe_is_switched_without_a_bake() {
         assert_eq!(switched, fresh.image);
         assert_ne!(switched, first, "nothing has changed");
     }
+}
+
+#[test]
+fn slices_are_applied_for_what_is_shown_and_for_nothing_else() {
+    let mut scene = room_with_ball(0.5);
+    scene.bake.rays = Some(64);
+    let run = RunSettings::silent();
+    let mut renderer = Renderer::new(scene.clone(), None);
+    let mut applies = |bounces: u32, has_sky: bool, is_glossy: bool| {
+        renderer.relight(|lights, materials| {
+            lights.truncate(1);
+            lights.extend(has_sky.then(|| constant_sky(0.5)));
+            materials[0].specular = Vec3::splat(f32::from(u8::from(is_glossy)));
+        });
+        let settings = FrameSettings {
+            bounces: Bounces::Count(bounces),
+            ..FrameSettings::of_scene(&scene)
+        };
+        let frame = renderer.frame(&settings, &run).unwrap();
+        let stages = frame.stages.times_ms().iter();
+        stages.filter(|(stage, _)| *stage == "glossy light").count() == 1
+    };
+    assert!(applies(1, false, true), "bounced light");
+    assert!(applies(0, true, true), "the sky");
+    assert!(!applies(0, false, true), "no light");
+    assert!(!applies(1, true, false), "no lobe");
+}
+
+#[test]
+fn glossy_light_of_a_sky_alone_is_kept() {
+    let mut scene = room_with_ball(0.5);
+    scene.bake.rays = Some(64);
+    let mut renderer = Renderer::new(scene, None);
+    renderer.bake(&RunSettings::silent()).unwrap();
+    let (surface, bake) = renderer.transfer();
+    let skies = PlacedLights::of_file(&[constant_sky(0.5)], &surface.placement).skies;
+    let mut kept = KeptGlossyLight::default();
+    let mut light = |outgoing| kept.of(bake.unwrap(), Level::detect(), outgoing, &skies);
+    let first = light(None);
+    assert!(Arc::ptr_eq(&first, &light(None)));
+    let outgoing = vec![[1.0; 3]; bake.unwrap().basis().slot_count()].into();
+    assert!(!Arc::ptr_eq(&first, &light(Some(outgoing))), "bounces came");
+    assert!(!Arc::ptr_eq(&first, &light(None)), "and went");
 }
 
 #[test]
