@@ -97,6 +97,29 @@ pub(crate) fn forecast(
     Ok(forecast)
 }
 
+/// Forecasts the folding of a bake that exists, of a surface with its back sides.
+///
+/// # Errors
+/// When cancelled.
+pub(crate) fn forecast_of_folding(
+    surface: &Surface,
+    (bake, file_bytes): (&Bake, usize),
+    run: &RunSettings,
+) -> Result<BakeForecast, BakeError> {
+    run.progress.stage("pilot", 1);
+    let rays = bake.stats().rays;
+    let seconds_a_ray = seconds_a_row(surface, rays, run) / f64::from(rays.max(1));
+    if run.progress.cancelled() {
+        return Err(BakeError::Cancelled);
+    }
+    let mut forecast = BakeForecast {
+        cached: false,
+        ..BakeForecast::of(bake, file_bytes)
+    };
+    forecast.add_folding(seconds_a_ray);
+    Ok(forecast)
+}
+
 impl BakeForecast {
     /// The figures of a bake that exists.
     pub(crate) fn of(bake: &Bake, file_bytes: usize) -> Self {

@@ -115,10 +115,7 @@ impl<'a> Study<'a> {
         run: &RunSettings,
     ) -> Result<Surface, BakeError> {
         let mut surface = Surface::fronts(scene, &Detail::of_keys(&scene.bake));
-        surface.add_backs(bake.backs());
-        surface
-            .vertices
-            .set_open_points(bake.open_points().to_vec());
+        bake.add_sides_to(&mut surface);
         if rays > 0 {
             run.progress
                 .stage("rays of all rows", surface.vertices.len() as u64);
