@@ -279,18 +279,16 @@ impl Shading<'_> {
             Some(gathered) => [gathered.indirect, gathered.sky],
             None => [view.indirect, view.sky].map(|light| self.interpolated(fragment, light)),
         };
-        let material = view.surface.mesh.triangles[fragment.triangle as usize].material;
-        let lobe = view.glossy.of(material);
-        let lobe = lobe.map(|it| {
-            let normal = self.vertex_normal(fragment, point);
-            (it, ViewedFrame::of(normal, view.to_eye(point)))
-        });
-        let lobe_albedo = lobe.map_or(Vec3::ZERO, |(it, frame)| it.albedo(frame.cosine));
+        let lobe = view.lobe(fragment, point);
+        let of_lobe = |lobe: &SeenLobe| lobe.glossy.albedo(lobe.frame.cosine);
+        let lobe_albedo = lobe.as_ref().map_or(Vec3::ZERO, of_lobe);
         let by_slices = || {
-            let (it, frame) = lobe?;
+            let glossy = lobe.as_ref()?.glossy;
             let corners = self.corners(fragment);
             let light = view.glossy_light?.at(corners, fragment.barycentrics)?;
-            Some(it.reflected(&frame, &light))
+            let normal = self.vertex_normal(fragment, point);
+            let frame = ViewedFrame::of(normal, view.to_eye(point));
+            Some(glossy.reflected(&frame, &light))
         };
         let glossy = gathered.map(|it| it.glossy).or_else(by_slices);
         let (glossy, glossy_dark) = clamped(glossy.unwrap_or(Vec3::ZERO));
