@@ -400,6 +400,12 @@ fn apply_rows(
     joined(rows, &groups)
 }
 
+/// Whether these are 1 / sigma of so many functions; 0 where sigma is.
+fn are_scales(scales: &[f32], function_count: usize) -> bool {
+    let is_scale = |scale: &f32| scale.is_finite() && *scale >= 0.0;
+    scales.len() == function_count && scales.iter().all(is_scale)
+}
+
 /// The sums of all groups, a value a receiver.
 fn joined(rows: &Rows, groups: &[GroupSums]) -> Vec<[f32; 3]> {
     let mut values = Vec::new();

@@ -19,7 +19,7 @@ use crate::bake::basis::Basis;
 use crate::bake::stats::BakeStats;
 use crate::scene::{PlacedLight, Scene};
 use crate::simd::Level;
-use crate::surface::{Arrival, Detail, KeptArrivals, NONE, Surface, direct};
+use crate::surface::{Arrival, Detail, KeptArrivals, Surface, direct};
 
 /// Values of several fields at every vertex, or at some of them.
 #[derive(Debug, Clone, PartialEq)]
@@ -284,16 +284,13 @@ impl<'a> Study<'a> {
         for arrival in arrivals {
             count += 1;
             let Some(hit) = arrival else { continue };
-            let corners = self.surface.vertices.of_triangle(hit.triangle, hit.front);
-            if corners == [NONE; 3] {
+            let Some(met) = self.surface.vertices.met(&hit) else {
                 count -= 1;
                 continue;
-            }
-            for (corner, weight) in corners.into_iter().zip(hit.barycentrics) {
-                if corner != NONE && weight > 0.0 {
-                    for (sum, value) in sums.iter_mut().zip(fields.row(corner as usize)) {
-                        *sum += weight * value;
-                    }
+            };
+            for (sender, weight) in met {
+                for (sum, value) in sums.iter_mut().zip(fields.row(sender as usize)) {
+                    *sum += weight * value;
                 }
             }
         }
