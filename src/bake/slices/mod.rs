@@ -16,6 +16,7 @@
 //! exactly, up to the last digit of U. Vertices whose material is not glossy have no slices.
 
 mod fit;
+mod quantise;
 mod sampled;
 
 use super::basis::Basis;
