@@ -18,7 +18,7 @@ use super::transfer::{self, GROUP, GroupTransfer, Sampling, sample_group, vertex
 use super::{Bake, BakeSettings, RunSettings};
 use crate::bake::basis::Basis;
 use crate::simd::Level;
-use crate::surface::{NONE, Surface};
+use crate::surface::Surface;
 
 /// Seeds of the two halves of the truth.
 const TRUE_SEEDS: [u32; 2] = [0x51d_e001, 0x51d_e002];
@@ -280,17 +280,14 @@ fn true_row(
     let mut inside = 0;
     for (_, (_, hit)) in vertex_rays(surface, level, [seed, vertex], rays) {
         let Some(hit) = hit else { continue };
-        let corners = surface.vertices.of_triangle(hit.triangle, hit.front);
-        if corners == [NONE; 3] {
+        let Some(met) = surface.vertices.met(&hit) else {
             inside += 1;
             continue;
-        }
-        for (corner, weight) in corners.into_iter().zip(hit.barycentrics) {
-            if corner != NONE && weight > 0.0 {
-                let values = &fields[basis.slot_of_vertex()[corner as usize] as usize];
-                for light in 0..LIGHTS {
-                    sums[light] += weight * values[light];
-                }
+        };
+        for (sender, weight) in met {
+            let values = &fields[basis.slot_of_vertex()[sender as usize] as usize];
+            for light in 0..LIGHTS {
+                sums[light] += weight * values[light];
             }
         }
     }

@@ -22,6 +22,8 @@ pub(crate) enum CacheOutcome {
 /// A bake, where it came from, and what the user should know about the cache.
 pub(crate) struct Baked {
     pub(crate) bake: Bake,
+    /// The bake's without folded bounces.
+    pub(crate) key: BakeKey,
     pub(crate) outcome: CacheOutcome,
     /// Bytes of the bake's file.
     pub(crate) file_bytes: usize,
@@ -45,10 +47,9 @@ pub(crate) fn load_or_bake(
     folder: Option<&Path>,
     run: &RunSettings,
 ) -> Result<Baked, BakeError> {
-    let key = key_of(surface, settings, fixed_albedo);
-    let path = folder.map(|folder| folder.join(key.file_name()));
+    let keys = Keys::of(surface, settings, fixed_albedo);
     let mut warnings = Vec::new();
-    match load(surface, &key, path.as_deref()) {
+    match load(surface, &keys, folder) {
         Ok(Some(mut baked)) => {
             baked.warnings.extend(baked.bake.stats().shortfall());
             return Ok(baked);
@@ -69,21 +70,42 @@ pub(crate) fn load_or_bake(
             bake
         }
     };
-    let bytes = encode(&bake, &key);
-    if let Some(path) = &path
-        && let Err(error) = write(path, &bytes)
-    {
-        warnings.push(format!(
-            "{}: the bake could not be stored ({error}); it will be made again next time",
-            path.display()
-        ));
-    }
+    let (file_bytes, warning) = store(&bake, &keys.file, folder);
+    warnings.extend(warning);
     Ok(Baked {
         bake,
+        key: keys.unfolded,
         outcome: CacheOutcome::Miss,
-        file_bytes: bytes.len(),
+        file_bytes,
         warnings,
     })
+}
+
+/// Puts a bake of this key whose bounces have been folded into the folder too: under
+/// the albedo of the front vertices. Returns the bytes of its file, and what the user
+/// should know.
+pub(crate) fn store_folded(
+    bake: &Bake,
+    key: &BakeKey,
+    albedo: &[Vec3],
+    folder: Option<&Path>,
+) -> (usize, Option<String>) {
+    store(bake, &key.with_albedo(albedo), folder)
+}
+
+/// Puts a bake into the folder, if there is one. Returns the bytes of its file, and
+/// what the user should know.
+fn store(bake: &Bake, key: &BakeKey, folder: Option<&Path>) -> (usize, Option<String>) {
+    let bytes = encode(bake, key);
+    let path = folder.map(|folder| folder.join(key.file_name()));
+    let error = path.and_then(|path| Some((write(&path, &bytes).err()?, path)));
+    let warning = error.map(|(error, path)| {
+        format!(
+            "{}: the bake could not be stored ({error}); it will be made again next time",
+            path.display()
+        )
+    });
+    (bytes.len(), warning)
 }
 
 /// Takes the bake of a surface (whose back sides do not exist yet) from the
@@ -95,35 +117,42 @@ pub(crate) fn load_stored(
     fixed_albedo: Option<AlbedoOf>,
     folder: Option<&Path>,
 ) -> Result<Option<Baked>, String> {
-    let key = key_of(surface, settings, fixed_albedo);
-    let path = folder.map(|folder| folder.join(key.file_name()));
-    load(surface, &key, path.as_deref())
+    load(surface, &Keys::of(surface, settings, fixed_albedo), folder)
 }
 
-fn key_of(surface: &Surface, settings: &BakeSettings, fixed_albedo: Option<AlbedoOf>) -> BakeKey {
-    let key = BakeKey::of(surface, settings);
-    match fixed_albedo {
-        Some(albedo_of) => key.with_albedo(&albedo_of(surface)),
-        None => key,
+/// What the bake of a surface is called, whose back sides do not exist yet.
+struct Keys {
+    /// Without folded bounces.
+    unfolded: BakeKey,
+    /// Of the file: the same where none are folded.
+    file: BakeKey,
+}
+
+impl Keys {
+    fn of(surface: &Surface, settings: &BakeSettings, fixed_albedo: Option<AlbedoOf>) -> Self {
+        let unfolded = BakeKey::of(surface, settings);
+        let file = match fixed_albedo {
+            Some(albedo_of) => unfolded.with_albedo(&albedo_of(surface)),
+            None => unfolded,
+        };
+        Self { unfolded, file }
     }
 }
 
 fn load(
     surface: &mut Surface,
-    key: &BakeKey,
-    path: Option<&Path>,
+    keys: &Keys,
+    folder: Option<&Path>,
 ) -> Result<Option<Baked>, String> {
-    let Some(path) = path else {
+    let Some(path) = folder.map(|folder| folder.join(keys.file.file_name())) else {
         return Ok(None);
     };
-    let found = read(path, key, surface).map_err(|e| format!("{}: {e}", path.display()))?;
+    let found = read(&path, &keys.file, surface).map_err(|e| format!("{}: {e}", path.display()))?;
     Ok(found.map(|(bake, file_bytes)| {
-        surface.add_backs(bake.backs());
-        surface
-            .vertices
-            .set_open_points(bake.open_points().to_vec());
+        bake.add_sides_to(surface);
         Baked {
             bake,
+            key: keys.unfolded,
             outcome: CacheOutcome::Hit,
             file_bytes,
             warnings: Vec::new(),

@@ -6,6 +6,8 @@
 //! has. What not every bake has comes last: the sky, then folded bounces, which
 //! begin with a name. A later version appends lists and raises the version.
 
+mod lists;
+
 use thiserror::Error;
 
 use super::audit::{ErrorParts, LightErrors};
@@ -13,12 +15,13 @@ use super::basis::Basis;
 use super::key::BakeKey;
 use super::low_rank::{Folded, LowRank};
 use super::paper::PaperRows;
-use super::rows::{Columns, Indices, Rows};
+use super::rows::Rows;
 use super::scheme::{Operator, Partitioner, Scheme};
 use super::sky::Sky;
 use super::slices::Slices;
 use super::{Bake, BakeStats};
 use crate::maths::spherical_harmonics::HARMONICS;
+use lists::{Reader, Writer};
 
 const MAGIC: &[u8; 8] = b"relume\x1ab";
 const FORMAT_VERSION: u32 = 7;
@@ -283,75 +286,6 @@ fn decode_payload(payload: &[u8]) -> Result<Bake, FileError> {
     }
 }
 
-/// A number that a list can hold.
-trait Number: Copy {
-    const SIZE: usize;
-    fn write(self, out: &mut Vec<u8>);
-    fn read(bytes: &[u8]) -> Self;
-}
-
-macro_rules! number {
-    ($($type:ty),*) => {$(
-        impl Number for $type {
-            const SIZE: usize = size_of::<$type>();
-            fn write(self, out: &mut Vec<u8>) {
-                out.extend_from_slice(&self.to_le_bytes());
-            }
-            fn read(bytes: &[u8]) -> Self {
-                Self::from_le_bytes(array(bytes))
-            }
-        }
-    )*};
-}
-
-number!(u8, i8, u16, u32, f32, f64);
-
-#[derive(Default)]
-struct Writer {
-    bytes: Vec<u8>,
-}
-
-impl Writer {
-    fn list<T: Number>(&mut self, items: &[T]) {
-        self.bytes
-            .extend_from_slice(&(items.len() as u64).to_le_bytes());
-        self.bytes.reserve(items.len() * T::SIZE);
-        items.iter().for_each(|item| item.write(&mut self.bytes));
-    }
-
-    /// Runs, then listed functions; one of the two is empty.
-    fn columns(&mut self, columns: &Columns) {
-        match columns {
-            Columns::Listed(list) => {
-                self.list::<u32>(&[]);
-                self.indices(list);
-            }
-            Columns::Runs(first) => {
-                self.list(first);
-                self.indices(&Indices::Narrow(Vec::new()));
-            }
-        }
-    }
-
-    /// Both widths in turn; one of the lists is empty.
-    fn indices(&mut self, indices: &Indices) {
-        match indices {
-            Indices::Narrow(list) => {
-                self.list(list);
-                self.list::<u32>(&[]);
-            }
-            Indices::Wide(list) => {
-                self.list::<u16>(&[]);
-                self.list(list);
-            }
-        }
-    }
-}
-
-struct Reader<'a> {
-    rest: &'a [u8],
-}
-
 impl Reader<'_> {
     fn low_rank(&mut self, functions: usize, slots: usize) -> Result<LowRank, FileError> {
         let scales = self.list()?;
@@ -449,43 +383,5 @@ impl Reader<'_> {
         };
         rows.check(slot_count).map_err(FileError::Inconsistent)?;
         Ok(rows)
-    }
-
-    fn list<T: Number>(&mut self) -> Result<Vec<T>, FileError> {
-        let (length, rest) = self.rest.split_at_checked(8).ok_or(FileError::Damaged)?;
-        let length =
-            usize::try_from(u64::from_le_bytes(array(length))).map_err(|_| FileError::Damaged)?;
-        let size = length.checked_mul(T::SIZE).ok_or(FileError::Damaged)?;
-        let (items, rest) = rest.split_at_checked(size).ok_or(FileError::Damaged)?;
-        self.rest = rest;
-        Ok(items.chunks_exact(T::SIZE).map(T::read).collect())
-    }
-
-    fn groups<T: Number, const N: usize>(&mut self) -> Result<Vec<[T; N]>, FileError> {
-        let flat = self.list::<T>()?;
-        let (groups, rest) = flat.as_chunks::<N>();
-        if rest.is_empty() {
-            Ok(groups.to_vec())
-        } else {
-            Err(FileError::Damaged)
-        }
-    }
-
-    fn columns(&mut self) -> Result<Columns, FileError> {
-        let (runs, listed) = (self.list::<u32>()?, self.indices()?);
-        Ok(if runs.is_empty() {
-            Columns::Listed(listed)
-        } else {
-            Columns::Runs(runs)
-        })
-    }
-
-    fn indices(&mut self) -> Result<Indices, FileError> {
-        let (narrow, wide) = (self.list::<u16>()?, self.list::<u32>()?);
-        Ok(if wide.is_empty() {
-            Indices::Narrow(narrow)
-        } else {
-            Indices::Wide(wide)
-        })
     }
 }

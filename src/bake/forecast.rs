@@ -2,21 +2,22 @@
 //! the bake itself from a survey of its rays, seconds from a short run of its
 //! most expensive stage.
 
+mod entries;
+mod pieces;
+
 use std::time::Instant;
 
-use super::compress::Budget;
-use super::function_shares::{functions_by_share, root_shares};
-use super::neighbours::vertex_graph;
 use super::operator::PILOT_GROUPS;
-use super::pilot::{GroupView, SurveyJob, seconds_a_row};
+use super::pilot::{SurveyJob, seconds_a_row};
 use super::scheme::{Partitioner, Scheme};
 use super::sky;
 use super::slices::{self, Slices};
 use super::transfer::GROUP;
 use super::{Bake, BakeError, BakeSettings, RunSettings, low_rank};
 use crate::maths::cube_cells::CELL_COUNT;
-use crate::maths::order::Order;
 use crate::surface::Surface;
+use entries::{paper_bytes, sky_entries, surface_entries};
+use pieces::Pieces;
 
 /// Rays that find the back sides, in all; more only in meshes of more than
 /// 100,000 fronts.
@@ -97,6 +98,29 @@ pub(crate) fn forecast(
     Ok(forecast)
 }
 
+/// Forecasts the folding of a bake that exists, of a surface with its back sides.
+///
+/// # Errors
+/// When cancelled.
+pub(crate) fn forecast_of_folding(
+    surface: &Surface,
+    (bake, file_bytes): (&Bake, usize),
+    run: &RunSettings,
+) -> Result<BakeForecast, BakeError> {
+    run.progress.stage("pilot", 1);
+    let rays = bake.stats().rays;
+    let seconds_a_ray = seconds_a_row(surface, rays, run) / f64::from(rays.max(1));
+    if run.progress.cancelled() {
+        return Err(BakeError::Cancelled);
+    }
+    let mut forecast = BakeForecast {
+        cached: false,
+        ..BakeForecast::of(bake, file_bytes)
+    };
+    forecast.add_folding(seconds_a_ray);
+    Ok(forecast)
+}
+
 impl BakeForecast {
     /// The figures of a bake that exists.
     pub(crate) fn of(bake: &Bake, file_bytes: usize) -> Self {
@@ -167,166 +191,6 @@ const RAYS_OF_ENERGY: f64 = 33.0;
 /// Points of a vertex's area times the rays of each that tell whether it is in
 /// the open.
 const RAYS_OF_OPEN_POINTS: f64 = 32.0;
-
-/// The pieces that vertices fall into, as far as they matter here.
-struct Pieces {
-    component_of: Vec<u32>,
-    /// Vertices, parts and functions of each component.
-    sizes: Vec<usize>,
-    parts: Vec<usize>,
-    functions: Vec<usize>,
-    /// Receivers, about as the bake groups them.
-    groups: Vec<Vec<u32>>,
-}
-
-impl Pieces {
-    /// Parts of a component count as equal in vertices and area.
-    fn of(surface: &Surface, settings: &BakeSettings) -> Self {
-        let vertex_count = surface.vertices.len();
-        let components = match settings.scheme.partitioner() {
-            Partitioner::Relume => vertex_graph(surface).connected_components(),
-            // The parts of METIS hold small components together.
-            Partitioner::Metis => vec![(0..vertex_count as u32).collect()],
-        };
-        let mut component_of = vec![0; vertex_count];
-        for (index, members) in components.iter().enumerate() {
-            for &vertex in members {
-                component_of[vertex as usize] = index as u32;
-            }
-        }
-        let per_part = settings.part_size(vertex_count).max(1) as usize;
-        let parts_of = |size: usize| ((size + per_part / 2) / per_part).clamp(1, size.max(1));
-        let parts: Vec<usize> = components.iter().map(|c| parts_of(c.len())).collect();
-        let (mut part_areas, mut part_sizes) = (Vec::new(), Vec::new());
-        for (members, &parts) in components.iter().zip(&parts) {
-            let areas = members
-                .iter()
-                .map(|&v| surface.vertices.areas()[v as usize]);
-            let area: f64 = areas.map(f64::from).sum();
-            part_areas.extend(std::iter::repeat_n(area / parts as f64, parts));
-            part_sizes.extend(std::iter::repeat_n(members.len() / parts, parts));
-        }
-        let total = settings.function_count(vertex_count);
-        // What a part hands on is not known here; its area stands for it.
-        let shares = match settings.scheme {
-            Scheme::Relume => root_shares(&part_areas, &part_sizes),
-            Scheme::Paper => vec![1.0; part_sizes.len()],
-        };
-        let of_parts = functions_by_share(&shares, &part_sizes, total);
-        let mut rest = of_parts.as_slice();
-        let mut functions = Vec::new();
-        for &parts in &parts {
-            let (own, others) = rest.split_at(parts);
-            functions.push(own.iter().map(|&count| count as usize).sum());
-            rest = others;
-        }
-        Self {
-            component_of,
-            sizes: components.iter().map(Vec::len).collect(),
-            parts,
-            functions,
-            groups: components
-                .iter()
-                .flat_map(|members| members.chunks(GROUP).map(<[u32]>::to_vec))
-                .collect(),
-        }
-    }
-
-    /// Groups of all parts: the last of each may be shorter.
-    fn group_count(&self) -> usize {
-        let of_component =
-            |(&size, &parts): (&usize, &usize)| parts * (size / parts).div_ceil(GROUP);
-        self.sizes.iter().zip(&self.parts).map(of_component).sum()
-    }
-
-    /// Values of all functions: those of a part at its vertices.
-    fn value_count(&self) -> usize {
-        let of_component = |i: usize| self.sizes[i] * self.functions[i] / self.parts[i];
-        (0..self.sizes.len()).map(of_component).sum()
-    }
-}
-
-/// Entries of a group's lists, in the mean.
-#[derive(Debug, Clone, Copy)]
-struct Entries {
-    near: f64,
-    basis: f64,
-}
-
-impl Entries {
-    /// A group whose rays met so many senders, of which those with functions.
-    fn of_group(budget: Budget, senders: f64, functions: f64) -> Self {
-        let near = senders.at_most(budget.near as f64);
-        let is_spending = senders > near;
-        let most = if is_spending {
-            budget.basis as f64
-        } else {
-            0.0
-        };
-        Self {
-            near,
-            basis: most.at_most(functions),
-        }
-    }
-
-    fn mean(of_groups: impl ExactSizeIterator<Item = Self>) -> Self {
-        let count = of_groups.len().max(1) as f64;
-        let (near, basis) = of_groups.fold((0.0, 0.0), |(near, basis), entries| {
-            (near + entries.near, basis + entries.basis)
-        });
-        Self {
-            near: near / count,
-            basis: basis / count,
-        }
-    }
-
-    /// Bytes of rows, as [`super::rows::Rows::bytes`] counts them.
-    fn row_bytes(self, groups: usize, senders: usize, functions: usize) -> usize {
-        let index = |table: usize| if table <= 1 << 16 { 2.0 } else { 4.0 };
-        let near = self.near * (index(senders) + GROUP as f64);
-        let basis = self.basis * (index(functions) + GROUP as f64);
-        ((near + basis) * groups as f64) as usize + groups * (2 * GROUP * 4 + 3 * 4)
-    }
-
-    /// Bytes of a near field and a product, as [`super::low_rank::LowRank::bytes`]
-    /// counts them.
-    fn low_rank_bytes(
-        self,
-        groups: usize,
-        senders: usize,
-        functions: usize,
-        parts: usize,
-    ) -> usize {
-        // The components of a group are a run: its functions have no numbers.
-        let rows = Self { basis: 0.0, ..self }.row_bytes(groups, senders, functions)
-            + (self.basis * GROUP as f64 * groups as f64) as usize
-            + groups * 4;
-        let component_groups = self.basis * parts as f64 / GROUP as f64;
-        let lists = Self {
-            near: 0.0,
-            basis: functions as f64 * LISTED_SHARE,
-        };
-        rows + functions * 4 + lists.row_bytes(component_groups.ceil() as usize, 0, functions)
-    }
-}
-
-/// Share of all functions that a group of components lists: 0.05 in the window's
-/// room, 0.06 in the statues' hall, 0.08 in cornell, 0.12 in the sheet's room. (Bytes
-/// of rows are then 1.11, 1.02, 0.94 and 0.84 of those of default bakes.)
-const LISTED_SHARE: f64 = 0.06;
-
-/// Share of the components paid for that stand out of the noise of so many rays: 0.55
-/// in a small room at 64, all of them in the larger scenes from 128 on.
-fn components_kept(rays: u32) -> f64 {
-    1.0 - 0.4 * (64.0 / f64::from(rays)).at_most(1.0)
-}
-
-/// Bytes of the published table, as [`super::paper::PaperRows::bytes`] counts
-/// them, of so many coefficients a vertex.
-fn paper_bytes(coefficients: f64, vertices: usize, functions: usize) -> usize {
-    let entry = if functions <= 1 << 16 { 3.0 } else { 5.0 };
-    (coefficients * entry * vertices as f64) as usize + vertices * 5 + 8
-}
 
 /// Bytes of a file that do not grow with the bake: header, figures, and lengths
 /// of lists.
@@ -437,69 +301,4 @@ fn with_sides(
         forecast.add_folding(survey.seconds_a_ray);
     }
     forecast
-}
-
-fn surface_entries(views: &[GroupView], settings: &BakeSettings) -> Entries {
-    if settings.scheme == Scheme::Paper {
-        // The largest of every vertex: nobody leaves anything to others.
-        let budget = Budget {
-            near: 0,
-            basis: settings.coefficients as usize,
-        };
-        let of_group =
-            |view: &GroupView| Entries::of_group(budget, view.most_senders, view.functions as f64);
-        return Entries::mean(views.iter().map(of_group));
-    }
-    let own = low_rank::Budget::of(settings.coefficients);
-    let senders = views.iter().map(|view| view.most_senders).collect();
-    let budget = Budget {
-        near: evened(own.near, senders),
-        basis: (own.rank as f64 * components_kept(settings.rays)) as usize,
-    };
-    let functions = |view: &GroupView| {
-        let is_spending = view.most_senders > budget.near as f64;
-        if is_spending {
-            view.functions as f64
-        } else {
-            0.0
-        }
-    };
-    let budget = Budget {
-        basis: evened(budget.basis, views.iter().map(functions).collect()),
-        ..budget
-    };
-    let of_group =
-        |view: &GroupView| Entries::of_group(budget, view.most_senders, view.functions as f64);
-    Entries::mean(views.iter().map(of_group))
-}
-
-/// What a group may spend when those that see little leave the others the rest:
-/// `mean` is that over all groups. `wanted` of each.
-fn evened(mean: usize, wanted: Vec<f64>) -> usize {
-    let total = (mean * wanted.len()) as f64;
-    let (mut low, mut high) = (mean, mean * wanted.len().max(1));
-    while low < high {
-        let middle = low + (high - low).div_ceil(2);
-        let spent: f64 = wanted.iter().map(|w| w.at_most(middle as f64)).sum();
-        if spent <= total {
-            low = middle;
-        } else {
-            high = middle - 1;
-        }
-    }
-    low
-}
-
-fn sky_entries(views: &[GroupView]) -> Entries {
-    let budget = Budget::of(sky::COEFFICIENTS);
-    let of_group = |view: &GroupView| {
-        let sees_only_sky = view.most_senders == 0.0;
-        let cells = if sees_only_sky {
-            0.0
-        } else {
-            view.most_cells.at_most(CELL_COUNT as f64)
-        };
-        Entries::of_group(budget, cells, f64::from(sky::FUNCTIONS))
-    };
-    Entries::mean(views.iter().map(of_group))
 }

@@ -79,9 +79,10 @@ use test_lights::TestLights;
 pub(crate) use audit::relative_error;
 pub use audit::{ErrorParts, LightErrors};
 pub(crate) use basis::Basis;
-pub(crate) use cache::{AlbedoOf, Baked, CacheOutcome, load_or_bake, load_stored};
+pub(crate) use cache::{AlbedoOf, Baked, CacheOutcome, load_or_bake, load_stored, store_folded};
 pub use forecast::BakeForecast;
-pub(crate) use forecast::forecast;
+pub(crate) use forecast::{forecast, forecast_of_folding};
+pub(crate) use key::BakeKey;
 pub(crate) use pilot::escaped_share_of_fronts;
 pub use run::{Progress, RunSettings, Silent, ThreadPool, ThreadPoolError, thread_pool};
 pub(crate) use scheme::Operator;
@@ -256,6 +257,12 @@ impl Bake {
         )
     }
 
+    /// Gives a surface the back sides that the bake was made of.
+    pub(crate) fn add_sides_to(&self, surface: &mut Surface) {
+        surface.add_backs(&self.backs);
+        surface.vertices.set_open_points(self.open_points.clone());
+    }
+
     /// E = T~ B, irradiance from radiosity, both in slots, W/m2.
     pub(crate) fn apply(&self, level: Level, radiosity: &[[f32; 3]]) -> Vec<[f32; 3]> {
         self.operator.apply(level, &self.basis, radiosity)
@@ -391,6 +398,12 @@ fn apply_rows(
         .map(|group| rows.gather(level, group, senders, functions))
         .collect();
     joined(rows, &groups)
+}
+
+/// Whether these are 1 / sigma of so many functions; 0 where sigma is.
+fn are_scales(scales: &[f32], function_count: usize) -> bool {
+    let is_scale = |scale: &f32| scale.is_finite() && *scale >= 0.0;
+    scales.len() == function_count && scales.iter().all(is_scale)
 }
 
 /// The sums of all groups, a value a receiver.

@@ -19,7 +19,7 @@ use crate::bake::basis::Basis;
 use crate::bake::stats::BakeStats;
 use crate::scene::{PlacedLight, Scene};
 use crate::simd::Level;
-use crate::surface::{Arrival, Detail, KeptArrivals, NONE, Surface, direct};
+use crate::surface::{Arrival, Detail, KeptArrivals, Surface, direct};
 
 /// Values of several fields at every vertex, or at some of them.
 #[derive(Debug, Clone, PartialEq)]
@@ -115,10 +115,7 @@ impl<'a> Study<'a> {
         run: &RunSettings,
     ) -> Result<Surface, BakeError> {
         let mut surface = Surface::fronts(scene, &Detail::of_keys(&scene.bake));
-        surface.add_backs(bake.backs());
-        surface
-            .vertices
-            .set_open_points(bake.open_points().to_vec());
+        bake.add_sides_to(&mut surface);
         if rays > 0 {
             run.progress
                 .stage("rays of all rows", surface.vertices.len() as u64);
@@ -287,16 +284,13 @@ impl<'a> Study<'a> {
         for arrival in arrivals {
             count += 1;
             let Some(hit) = arrival else { continue };
-            let corners = self.surface.vertices.of_triangle(hit.triangle, hit.front);
-            if corners == [NONE; 3] {
+            let Some(met) = self.surface.vertices.met(&hit) else {
                 count -= 1;
                 continue;
-            }
-            for (corner, weight) in corners.into_iter().zip(hit.barycentrics) {
-                if corner != NONE && weight > 0.0 {
-                    for (sum, value) in sums.iter_mut().zip(fields.row(corner as usize)) {
-                        *sum += weight * value;
-                    }
+            };
+            for (sender, weight) in met {
+                for (sum, value) in sums.iter_mut().zip(fields.row(sender as usize)) {
+                    *sum += weight * value;
                 }
             }
         }

@@ -15,7 +15,7 @@ use crate::maths::cube_cells::{CELL_COUNT, cell_of};
 use crate::maths::sampling::{cosine_direction, mirrored_above};
 use crate::maths::sobol::ScrambledSobol;
 use crate::simd::Level;
-use crate::surface::{Arrival, KeptArrivals, NONE, Surface};
+use crate::surface::{Arrival, KeptArrivals, Surface};
 
 /// Receivers that share one index list: the lanes of a row kernel.
 pub(crate) const GROUP: usize = 8;
@@ -263,19 +263,13 @@ fn add_arrival(
         counts.escaped += 1;
         return;
     };
-    let corners = sampling
-        .surface
-        .vertices
-        .of_triangle(hit.triangle, hit.front);
-    if corners == [NONE; 3] {
+    let Some(met) = sampling.surface.vertices.met(&hit) else {
         counts.inside += 1;
         return;
-    }
-    for (corner, weight) in corners.into_iter().zip(hit.barycentrics) {
-        if corner != NONE && weight > 0.0 {
-            let slot = sampling.slot_of_vertex[corner as usize];
-            scratch.senders.add(slot, lane, weight, is_first_half);
-        }
+    };
+    for (sender, weight) in met {
+        let slot = sampling.slot_of_vertex[sender as usize];
+        scratch.senders.add(slot, lane, weight, is_first_half);
     }
 }
 

@@ -133,20 +133,13 @@ fn references(
     samples: u32,
     run: &RunSettings,
 ) -> Result<[[Image; 2]; 2], MeasureError> {
-    let half = |seed: u32| -> Result<[Image; 2], MeasureError> {
-        let settings = ReferenceSettings {
-            camera: frame.camera,
-            bounces: frame.bounces,
-            samples: (samples / 2).max(2),
-            seed,
+    let images_of = |seed: u32| -> Result<[Image; 2], MeasureError> {
+        let all = half(frame, samples, seed);
+        let indirect = ReferenceSettings {
             part: ReferencePart::Indirect,
-            glossy: GlossyBounces::All,
+            ..all
         };
-        let indirect = traced(scene, &settings, run)?;
-        let all = ReferenceSettings {
-            part: ReferencePart::Global,
-            ..settings
-        };
+        let indirect = traced(scene, &indirect, run)?;
         if scene.materials.iter().any(|it| it.gloss().is_some()) {
             // Lobes reflect light of any bounce: there is no sum of two parts.
             return Ok([traced(scene, &all, run)?, indirect]);
@@ -158,8 +151,21 @@ fn references(
         let direct = traced(scene, &direct, run)?;
         Ok([joined(&direct, &indirect, |a, b| a + b), indirect])
     };
-    let [[global_a, indirect_a], [global_b, indirect_b]] = [half(SEEDS[0])?, half(SEEDS[1])?];
+    let [first, second] = SEEDS;
+    let [[global_a, indirect_a], [global_b, indirect_b]] = [images_of(first)?, images_of(second)?];
     Ok([[global_a, global_b], [indirect_a, indirect_b]])
+}
+
+/// How one of the two halves of a frame's reference is traced, of all light.
+pub(super) fn half(frame: &FrameSettings, samples: u32, seed: u32) -> ReferenceSettings {
+    ReferenceSettings {
+        camera: frame.camera,
+        bounces: frame.bounces,
+        samples: (samples / 2).max(2),
+        seed,
+        part: ReferencePart::Global,
+        glossy: GlossyBounces::All,
+    }
 }
 
 pub(super) fn traced(
@@ -171,11 +177,12 @@ pub(super) fn traced(
     Ok(found.image)
 }
 
-pub(super) fn joined(
-    a: &Image,
-    b: &Image,
-    join: impl Fn(glam::Vec3, glam::Vec3) -> glam::Vec3,
-) -> Image {
+/// The reference of two halves.
+pub(super) fn mean(a: &Image, b: &Image) -> Image {
+    joined(a, b, |a, b| (a + b) * 0.5)
+}
+
+fn joined(a: &Image, b: &Image, join: impl Fn(glam::Vec3, glam::Vec3) -> glam::Vec3) -> Image {
     let pairs = a.pixels().iter().zip(b.pixels());
     let pixels = pairs.map(|(a, b)| join(*a, *b)).collect();
     Image::new(a.width(), a.height(), pixels).expect("as many pixels as before")
@@ -192,7 +199,7 @@ struct Truth {
 
 impl Truth {
     fn of(halves: [Image; 2]) -> Self {
-        let reference = joined(&halves[0], &halves[1], |a, b| (a + b) * 0.5);
+        let reference = mean(&halves[0], &halves[1]);
         let noise = |side| difference(&reference, &halves[0], side).relative_rmse;
         Self {
             noise: [1, BLOCK].map(noise),

@@ -1,7 +1,7 @@
 //! The final glossy bounce by 16 slices against paths, roughness by roughness.
 
 use super::MeasureError;
-use super::frame_errors::{blocks, joined, traced};
+use super::frame_errors::{blocks, half, mean, traced};
 use super::statistics::root_of_difference;
 use crate::bake::RunSettings;
 use crate::frame::{Image, compare};
@@ -85,16 +85,13 @@ fn one(
     let mut halves = Vec::new();
     for seed in SEEDS {
         let settings = ReferenceSettings {
-            camera: frame.camera,
-            bounces: frame.bounces,
-            samples: (samples / 2).max(2),
-            seed,
             part: ReferencePart::Glossy,
             glossy: GlossyBounces::Final,
+            ..half(frame, samples, seed)
         };
         halves.push(blocks(&traced(renderer.scene(), &settings, run)?, BLOCK));
     }
-    let reference = joined(&halves[0], &halves[1], |a, b| (a + b) * 0.5);
+    let reference = mean(&halves[0], &halves[1]);
     let of = |a: &Image, b: &Image| {
         let found = compare(a, b);
         found.expect("all frames have one size")

@@ -18,6 +18,7 @@
 //! Errors are those of both schemes in one run. The lights, the truth and the
 //! reference have seeds that no bake uses, to choose by or to state its error.
 
+mod figures;
 mod frame_errors;
 mod frames;
 mod glossy;
@@ -38,8 +39,9 @@ use crate::output::OutputError;
 use crate::relight::RenderError;
 use crate::report::ReportError;
 
+pub use figures::MainFigures;
 pub use frames::{FrameTimes, LightCircle, NoLocalLight, Spread, StageTimes, time_frames};
-pub use report::{MainFigures, MeasuredReport, report};
+pub use report::{MeasuredReport, report};
 pub use run::ReportSettings;
 
 /// Why something was not measured.

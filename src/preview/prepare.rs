@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 
 use super::message::Message;
 use crate::bake::{Progress, RunSettings, Scheme, thread_pool};
-use crate::relight::{FrameSettings, Renderer};
+use crate::relight::{BakeAtHand, FrameSettings, Renderer};
 use crate::scene::Scene;
 use crate::simd::Level;
 
@@ -29,6 +29,18 @@ pub struct Preparation {
     pub threads: usize,
     /// Widest instructions to use.
     pub level: Level,
+}
+
+impl Preparation {
+    /// A renderer of a scene, with the bake at hand if it is the scene's.
+    pub(super) fn renderer(&self, scene: Scene, at_hand: Option<&BakeAtHand>) -> Renderer {
+        let folder = self.cache_folder.as_deref();
+        let mut renderer = Renderer::with_scheme(scene, folder, self.scheme);
+        if let Some(at_hand) = at_hand {
+            renderer.take_bake(at_hand);
+        }
+        renderer
+    }
 }
 
 /// What is wanted of a scene.
@@ -51,7 +63,7 @@ impl Preparing {
     /// Begins in a thread of its own.
     pub(crate) fn start(
         wanted: Wanted,
-        scene: Scene,
+        (scene, at_hand): (Scene, Option<BakeAtHand>),
         preparation: Preparation,
         queue: Sender<Message>,
     ) -> Self {
@@ -59,6 +71,7 @@ impl Preparing {
         let job = Job {
             progress: BakeProgress::new(wanted.number, queue.clone(), stop.clone()),
             wanted,
+            at_hand,
             preparation,
             queue: queue.clone(),
         };
@@ -93,6 +106,8 @@ impl Drop for Preparing {
 
 struct Job {
     wanted: Wanted,
+    /// The last bake of the session: another albedo costs a folding of it, at most.
+    at_hand: Option<BakeAtHand>,
     preparation: Preparation,
     queue: Sender<Message>,
     progress: BakeProgress,
@@ -138,8 +153,7 @@ impl Job {
     }
 
     fn renderer(&self, scene: Scene) -> Renderer {
-        let folder = self.preparation.cache_folder.as_deref();
-        Renderer::with_scheme(scene, folder, self.preparation.scheme)
+        self.preparation.renderer(scene, self.at_hand.as_ref())
     }
 
     fn stopped(&self) -> bool {
@@ -214,5 +228,67 @@ impl Progress for BakeProgress {
 
     fn cancelled(&self) -> bool {
         self.stop.load(Ordering::Relaxed)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::mpsc::channel;
+
+    use glam::{DVec3, Vec3};
+
+    use super::*;
+    use crate::scene::Bounces;
+    use crate::scene::sample_scenes::{point_light, room_with_blocks};
+
+    /// Prepares a scene with its bake, and the stages of doing so.
+    fn prepared(scene: &Scene, at_hand: Option<BakeAtHand>) -> (Renderer, Vec<&'static str>) {
+        let preparation = Preparation {
+            cache_folder: None,
+            scheme: Scheme::Relume,
+            threads: 1,
+            level: Level::detect(),
+        };
+        let wanted = Wanted {
+            number: 1,
+            bake: true,
+        };
+        let (queue, messages) = channel();
+        let _preparing = Preparing::start(wanted, (scene.clone(), at_hand), preparation, queue);
+        let mut stages = Vec::new();
+        loop {
+            match messages.recv().expect("it ends with a renderer") {
+                Message::Baking { stage, .. } => stages.push(stage),
+                Message::Prepared { renderer, .. } => return (*renderer, stages),
+                _ => panic!("nothing else is sent"),
+            }
+        }
+    }
+
+    #[test]
+    fn another_fixed_albedo_is_folded_and_nothing_is_baked() {
+        let mut scene = room_with_blocks(false, 0.5, 64);
+        scene.lights = vec![point_light(DVec3::new(0.2, 0.7, 0.5), 2.0)];
+        scene.render.bounces = Bounces::All;
+        scene.bake.fixed_albedo = true;
+        scene.camera.size = [24, 16];
+        let (first, stages) = prepared(&scene, None);
+        assert!(stages.contains(&"transfer") && stages.contains(&"folding bounces"));
+        scene.materials[0].albedo = Vec3::new(0.2, 0.3, 0.4);
+        let (mut edited, mut stages) = prepared(&scene, first.bake_at_hand());
+        stages.dedup();
+        assert_eq!(
+            stages,
+            ["prior lights", "folding bounces", "error of folding"]
+        );
+        let (settings, run) = (FrameSettings::of_scene(&scene), RunSettings::silent());
+        assert!(!edited.needs_bake(&settings));
+        let found = edited.frame(&settings, &run).unwrap().image;
+        let fresh = Renderer::new(scene.clone(), None).frame(&settings, &run);
+        assert!(found == fresh.unwrap().image, "it is another picture");
+        // Of another surface it is no bake.
+        scene.bake.max_edge = Some(0.4);
+        let (_, stages) = prepared(&scene, edited.bake_at_hand());
+        assert!(stages.contains(&"transfer"), "{stages:?}");
     }
 }

@@ -16,7 +16,7 @@ use super::write_frame::write_frame;
 use super::{PreviewError, PreviewSettings};
 use crate::bake::RunSettings;
 use crate::output::terminal::{CellEncoder, Colours};
-use crate::relight::{FrameSettings, Renderer};
+use crate::relight::{BakeAtHand, FrameSettings};
 use crate::scene::Scene;
 
 /// Time between two frames, for what a burst of keys is.
@@ -77,6 +77,7 @@ pub fn run_script(
         run,
         program,
         painter: None,
+        at_hand: None,
         wish: None,
         encoder: CellEncoder::new(Colours::True),
         frame: 0,
@@ -95,6 +96,8 @@ struct Runner<'a> {
     run: &'a RunSettings<'a>,
     program: Program,
     painter: Option<Painter>,
+    /// The last bake.
+    at_hand: Option<BakeAtHand>,
     wish: Option<(u64, Wish)>,
     encoder: CellEncoder,
     frame: u64,
@@ -225,9 +228,8 @@ impl Runner<'_> {
 
     fn prepare(&mut self, wanted: Wanted, scene: Scene) -> Result<(), PreviewError> {
         let preparation = &self.settings.preparation;
-        let folder = preparation.cache_folder.as_deref();
         let settings = FrameSettings::of_scene(&scene);
-        let mut renderer = Renderer::with_scheme(scene, folder, preparation.scheme);
+        let mut renderer = preparation.renderer(scene, self.at_hand.as_ref());
         if wanted.bake || renderer.needs_bake(&settings) {
             renderer.bake(self.run)?;
         }
@@ -239,7 +241,10 @@ impl Runner<'_> {
 
     fn send(&mut self, errand: Errand) -> Result<(), PreviewError> {
         match errand {
-            Errand::Adopt(renderer) => self.painter = Some(Painter::new(*renderer)),
+            Errand::Adopt(renderer) => {
+                self.at_hand = renderer.bake_at_hand().or(self.at_hand.take());
+                self.painter = Some(Painter::new(*renderer));
+            }
             Errand::Write { wish, size, path } => {
                 let Some(painter) = &mut self.painter else {
                     return Ok(());

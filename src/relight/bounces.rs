@@ -5,6 +5,7 @@ use thiserror::Error;
 
 use crate::bake::Bake;
 use crate::maths::order::Order;
+use crate::maths::rgb_fields::{add, product};
 use crate::scene::Bounces;
 use crate::simd::Level;
 
@@ -166,7 +167,7 @@ impl Transport<'_> {
             if magnitude(&increment.added) <= NOTHING_LEFT * magnitude(&irradiance) {
                 return Ok(irradiance);
             }
-            outgoing = radiosity(&vec![[0.0; 3]; source.len()], albedo, &increment.added);
+            outgoing = product(albedo, &increment.added);
             last = increment;
         }
         Err(BounceError::Diverges {
@@ -189,16 +190,6 @@ fn radiosity(source: &[[f32; 3]], albedo: &[[f32; 3]], irradiance: &[[f32; 3]]) 
             ]
         })
         .collect()
-}
-
-/// Adds `more`, times a factor a channel.
-fn add(sum: &mut [[f32; 3]], more: &[[f32; 3]], factor: [f64; 3]) {
-    let factor = factor.map(|f| f as f32);
-    for (total, value) in sum.iter_mut().zip(more) {
-        for channel in 0..3 {
-            total[channel] += value[channel] * factor[channel];
-        }
-    }
 }
 
 /// Sum of a field's absolute values.

@@ -63,9 +63,7 @@ impl Renderer {
         if settings.component.needs_direct() {
             metadata.set_own("light_samples", settings.light_samples.to_string());
         }
-        let is_gathered =
-            component.needs_indirect() || component.needs_direct() || component.needs_glossy();
-        if settings.gathers() && is_gathered {
+        if settings.gathered_parts(self.has_sky()).any() {
             metadata.set_own("quality", settings.quality.name());
             metadata.set_own("gather.rays", RAYS.to_string());
         }

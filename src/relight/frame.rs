@@ -71,10 +71,36 @@ impl FrameSettings {
         self.component.needs_direct() && !lights.skies.is_empty()
     }
 
-    /// Whether rays of a final gather bring the sky's light.
-    pub(super) fn gathers_sky(&self, lights: &PlacedLights) -> bool {
-        let shown = self.component.needs_direct() || self.component.needs_glossy();
-        shown && !lights.skies.is_empty()
+    /// What of a final gather is shown; nothing of one that is not made.
+    pub(super) fn gathered_parts(&self, has_sky: bool) -> GatheredParts {
+        if !self.gathers() {
+            return GatheredParts::default();
+        }
+        let (component, bounces) = (self.component, self.needs_bounces());
+        GatheredParts {
+            irradiance: (component.needs_indirect() && bounces)
+                || (component.needs_direct() && has_sky),
+            by_lobes: component.needs_glossy() && (bounces || has_sky),
+            sky: has_sky && (component.needs_direct() || component.needs_glossy()),
+        }
+    }
+}
+
+/// What of a final gather a frame shows.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub(super) struct GatheredParts {
+    /// Irradiance of bounced light or the sky.
+    pub(super) irradiance: bool,
+    /// What lobes reflect of the same.
+    pub(super) by_lobes: bool,
+    /// Whether rays that escape bring the sky's light.
+    pub(super) sky: bool,
+}
+
+impl GatheredParts {
+    /// Whether there is anything to gather.
+    pub(super) fn any(self) -> bool {
+        self.irradiance || self.by_lobes
     }
 }
 
@@ -90,6 +116,8 @@ pub struct Frame {
     pub clamped_pixels: u64,
     /// Lights whose light at the vertices was computed for this frame.
     pub computed_lights: usize,
+    /// Rays that pixels sent in a final gather.
+    pub gathered_rays: u64,
     /// Milliseconds by stage.
     pub stages: Stages,
 }

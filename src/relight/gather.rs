@@ -17,6 +17,8 @@ mod lobe;
 mod points;
 mod smooth;
 
+use std::sync::atomic::{AtomicU64, Ordering};
+
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -24,6 +26,7 @@ pub(super) use arriving::{Arriving, Rays, Wanted};
 use points::{MOST_RAYS, PixelPoints};
 use smooth::smoothed;
 
+use super::frame::GatheredParts;
 use super::raster::Fragment;
 use super::reach::seen_point;
 use super::shade::View;
@@ -62,8 +65,8 @@ const _: () = assert!(RAYS <= MOST_RAYS && RAYS.is_multiple_of(SAMPLES));
 /// What rays read.
 #[derive(Debug, Default)]
 pub(crate) struct GatherLight {
-    /// Whether rays that escape bring the sky's light.
-    pub(crate) has_sky: bool,
+    /// What of it is shown; rays are sent for nothing else.
+    pub(super) parts: GatheredParts,
     /// What rays that arrive bring; nothing where nothing bounces.
     pub(crate) at_vertices: Option<LitVertices>,
 }
@@ -132,13 +135,15 @@ fn is_uneven(surface: &Surface, direct: &[Vec3], (triangle, front): (u32, bool))
     high - low > UNIFORM_WITHIN * high
 }
 
-/// What arrives at every site of a picture; `None` if it was stopped.
+/// What arrives at every site of a picture, and the rays that were sent; `None` if
+/// it was stopped.
 pub(super) fn at_sites(
     view: &View,
     light: &GatherLight,
     sites: &Sites,
     progress: &dyn Progress,
-) -> Option<Vec<Gathered>> {
+) -> Option<(Vec<Gathered>, u64)> {
+    let sent = AtomicU64::new(0);
     let mut found = vec![Gathered::default(); sites.len()];
     let pixels_of_groups = sites.pixels_of_groups();
     progress.stage("gather", found.len().div_ceil(SITES_A_TASK) as u64);
@@ -160,10 +165,17 @@ pub(super) fn at_sites(
                     }
                 };
             }
+            sent.fetch_add(rays.sent, Ordering::Relaxed);
             progress.advance(1);
             Some(())
         })
-        .map(|()| smoothed(view, sites, &found))
+        .map(|()| {
+            let found = match light.parts.irradiance {
+                true => smoothed(view, sites, &found),
+                false => found,
+            };
+            (found, sent.into_inner())
+        })
 }
 
 /// A pixel of one surface: all rays start from its centre.
@@ -211,8 +223,11 @@ fn add(
     numbers: std::ops::Range<u32>,
     sum: &mut Gathered,
 ) {
-    if let Some(lobe) = lobe {
+    if let Some(lobe) = lobe.filter(|_| rays.light.parts.by_lobes) {
         sum.glossy += lobe::gathered(rays, from, &lobe, points, numbers.clone());
+    }
+    if !rays.light.parts.irradiance {
+        return;
     }
     // Of a hemisphere that is weighted by the cosine, which is pi of solid angle.
     let spread_rad = (std::f32::consts::PI / RAYS as f32).sqrt();

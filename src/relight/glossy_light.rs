@@ -64,30 +64,39 @@ pub(crate) struct KeptGlossyLight {
 }
 
 struct Last {
-    outgoing: Arc<[[f32; 3]]>,
+    /// None where nothing bounces.
+    outgoing: Option<Arc<[[f32; 3]]>>,
     skies: Vec<PlacedEnvironment>,
     light: Arc<GlossyLight>,
 }
 
 impl KeptGlossyLight {
-    /// The light of a bake's slices; see [`GlossyLight`].
+    /// The light of a bake's slices; see [`GlossyLight`]. `outgoing` is none where
+    /// nothing bounces.
     pub(crate) fn of(
         &mut self,
         bake: &Bake,
         level: Level,
-        outgoing: &Arc<[[f32; 3]]>,
+        outgoing: Option<Arc<[[f32; 3]]>>,
         skies: &[PlacedEnvironment],
     ) -> Arc<GlossyLight> {
+        let place = |it: &Option<Arc<[[f32; 3]]>>| it.as_ref().map(Arc::as_ptr);
         if let Some(last) = &self.last
-            && Arc::ptr_eq(&last.outgoing, outgoing)
+            && place(&last.outgoing) == place(&outgoing)
             && last.skies == skies
         {
             return Arc::clone(&last.light);
         }
         let cells = super::kept::cells_of(skies);
-        let light = Arc::new(GlossyLight::of(bake, level, outgoing, &cells));
+        let light = Arc::new(match &outgoing {
+            Some(outgoing) => GlossyLight::of(bake, level, outgoing, &cells),
+            None => {
+                let darkness = vec![[0.0; 3]; bake.basis().slot_count()];
+                GlossyLight::of(bake, level, &darkness, &cells)
+            }
+        });
         self.last = Some(Last {
-            outgoing: Arc::clone(outgoing),
+            outgoing,
             skies: skies.to_vec(),
             light: Arc::clone(&light),
         });

@@ -43,6 +43,7 @@ pub use description::{bounces_text, describe_levels, describe_scene};
 pub use frame::{Effort, Frame, FrameSettings, develop};
 pub use outlook::{ImageCounts, LightCounts, Outlook, SceneContents, SkyView};
 pub use quality::{Quality, QualityError};
+pub(crate) use renderer::BakeAtHand;
 pub use renderer::{BakeFigures, RenderError, Renderer, SceneFigures};
 pub use seen::SeenSurfaces;
 pub use stages::Stages;

@@ -20,8 +20,9 @@ use super::outlook::{Outlook, SceneContents};
 use super::seen::SeenSurfaces;
 use super::stages::Stages;
 use crate::bake::{
-    self, AlbedoOf, Bake, BakeError, BakeForecast, BakeSettings, BakeStats, CacheOutcome,
-    RunSettings, Scheme, Slices, escaped_share_of_fronts, forecast, load_or_bake, load_stored,
+    self, AlbedoOf, Bake, BakeError, BakeForecast, BakeKey, BakeSettings, BakeStats, CacheOutcome,
+    RunSettings, Scheme, Slices, escaped_share_of_fronts, forecast, forecast_of_folding,
+    load_or_bake, load_stored,
 };
 use crate::brdf::GlossyMaterials;
 use crate::scene::{Bounces, Light, LightKind, Scene};
@@ -88,18 +89,27 @@ pub struct BakeFigures {
 }
 
 /// The bake and where it came from.
+#[derive(Clone)]
 struct Baked {
-    bake: Bake,
+    bake: Arc<Bake>,
+    /// The bake's without folded bounces.
+    key: BakeKey,
     cached: bool,
     file_bytes: usize,
     /// What its bounces are folded under, or would be if they had a limit.
     fixed_albedo: Option<FixedAlbedo>,
 }
 
+/// The bake of a renderer for another one of the same surface, which takes it from
+/// here as it would from the cache folder.
+#[derive(Clone)]
+pub(crate) struct BakeAtHand(Baked);
+
 impl Baked {
     fn of(baked: bake::Baked, fixed_albedo: Option<FixedAlbedo>) -> Self {
         Self {
-            bake: baked.bake,
+            bake: Arc::new(baked.bake),
+            key: baked.key,
             cached: baked.outcome == CacheOutcome::Hit,
             file_bytes: baked.file_bytes,
             fixed_albedo,
@@ -181,7 +191,8 @@ impl Renderer {
     }
 
     /// Makes sure that there is a bake: from the cache, or a new one. One whose
-    /// fixed albedo is another now is folded anew, and is not stored.
+    /// fixed albedo is another since [`Self::relight`] is folded anew, and is not
+    /// stored.
     pub fn bake(&mut self, run: &RunSettings) -> Result<(), BakeError> {
         if self.baked.is_some() {
             return self.fold_anew(run);
@@ -201,8 +212,8 @@ impl Renderer {
     }
 
     /// What the scene asks for and what its bake will cost, without baking:
-    /// from a bake that exists, or from a few rays in about half a second.
-    /// Nothing is written, and no later result changes.
+    /// from a bake that exists, whose bounces may be left to fold, or from a few rays
+    /// in about half a second. Nothing is written, and no later result changes.
     ///
     /// # Errors
     /// [`BakeError::Cancelled`] when the job was stopped.
@@ -213,6 +224,9 @@ impl Renderer {
         }
         let folds = self.fixed_albedo().is_some();
         let bake = match &self.baked {
+            Some(baked) if self.lacks_folding() => {
+                forecast_of_folding(&self.surface, (&baked.bake, baked.file_bytes), run)?
+            }
             Some(baked) => BakeForecast::of(&baked.bake, baked.file_bytes),
             None => forecast(&mut self.surface, &settings, folds, run)?,
         };
@@ -226,29 +240,51 @@ impl Renderer {
         })
     }
 
-    /// Takes the bake from the cache, if it is there. One that cannot be used is
-    /// warned of when it is made anew.
+    /// Takes the bake from the cache, if it is there; where its bounces are to be
+    /// folded and are not, one without. One that cannot be used is warned of when it
+    /// is made anew.
     fn load(&mut self, settings: &BakeSettings) {
         let fixed_albedo = self.fixed_albedo();
         let (surface, folder) = (&mut self.surface, self.cache_folder.as_deref());
         let scene = &self.scene;
         let albedo_of = |surface: &Surface| vertex_albedo(scene, surface);
-        let albedo: Option<AlbedoOf> = fixed_albedo.as_ref().map(|_| &albedo_of as AlbedoOf);
-        let stored = self
-            .stages
-            .time("bake", || load_stored(surface, settings, albedo, folder));
-        let stored = stored.ok().flatten();
-        self.baked = stored.map(|baked| Baked::of(baked, fixed_albedo));
+        let mut stored = |albedo| {
+            let stored = load_stored(surface, settings, albedo, folder);
+            stored.ok().flatten()
+        };
+        self.baked = self.stages.time("bake", || {
+            let folded = fixed_albedo.and_then(|fixed| {
+                let folded = stored(Some(&albedo_of as AlbedoOf))?;
+                Some(Baked::of(folded, Some(fixed)))
+            });
+            folded.or_else(|| Some(Baked::of(stored(None)?, None)))
+        });
     }
 
     /// Takes the bake from the cache folder, if a valid one is there; says whether
-    /// the renderer has a bake now.
+    /// the renderer has the bake that it asks for now. (It may have one whose bounces
+    /// are to be folded still: [`Self::bake`].)
     pub fn load_bake(&mut self) -> bool {
         if self.baked.is_none() {
             let settings = BakeSettings::of_scheme(self.scheme, &self.scene.bake);
             self.load(&settings);
         }
-        self.baked.is_some()
+        self.baked.is_some() && !self.lacks_folding()
+    }
+
+    /// The bake, for another renderer.
+    pub(crate) fn bake_at_hand(&self) -> Option<BakeAtHand> {
+        self.baked.clone().map(BakeAtHand)
+    }
+
+    /// Takes the bake of another renderer, if it is that of this surface and there is
+    /// none yet.
+    pub(crate) fn take_bake(&mut self, at_hand: &BakeAtHand) {
+        let settings = BakeSettings::of_scheme(self.scheme, &self.scene.bake);
+        if self.baked.is_none() && BakeKey::of(&self.surface, &settings) == at_hand.0.key {
+            at_hand.0.bake.add_sides_to(&mut self.surface);
+            self.baked = Some(at_hand.0.clone());
+        }
     }
 
     /// What the last frame shows of the mesh; nothing before the first.
@@ -286,12 +322,16 @@ impl Renderer {
 
     /// Whether a frame depends on the bake.
     pub(super) fn reads_bake(&self, settings: &FrameSettings) -> bool {
-        let is_sky = |light: &Light| matches!(light.kind, LightKind::Environment(_));
-        let has_sky = self.scene.lights.iter().any(is_sky);
         let sees_sky = settings.component.needs_direct() || settings.component.needs_glossy();
-        let needs_sky = sees_sky && has_sky;
+        let needs_sky = sees_sky && self.has_sky();
         let needs_basis = settings.component.needs_basis();
         settings.needs_bounces() || needs_sky || needs_basis
+    }
+
+    /// Whether a light is a sky.
+    pub(super) fn has_sky(&self) -> bool {
+        let is_sky = |light: &Light| matches!(light.kind, LightKind::Environment(_));
+        self.scene.lights.iter().any(is_sky)
     }
 
     /// What the user should know about mesh and cache; each sentence once.
@@ -333,7 +373,7 @@ impl Renderer {
 
     /// The surface, and the bake once there is one.
     pub(crate) fn transfer(&self) -> (&Surface, Option<&Bake>) {
-        (&self.surface, self.baked.as_ref().map(|baked| &baked.bake))
+        (&self.surface, self.baked.as_ref().map(|baked| &*baked.bake))
     }
 }
 

@@ -86,11 +86,13 @@ impl View<'_> {
     }
 }
 
-/// A linear picture, and how many of its pixels had light from the basis below
-/// zero.
+/// A linear picture, and counts of how it was made.
 pub(crate) struct Picture {
     pub(crate) image: Image,
+    /// Pixels that had light from the basis below zero.
     pub(crate) clamped_pixels: u64,
+    /// Rays that pixels sent in a final gather.
+    pub(crate) gathered_rays: u64,
 }
 
 /// Draws a view with what is kept of the last one; `None` if it was stopped, which
@@ -105,9 +107,9 @@ pub(crate) fn draw(
     go_on()?;
     let (sites, direct) = kept.direct(view, stages, &go_on)?;
     go_on()?;
-    let gathered = match view.gather {
+    let (gathered, gathered_rays) = match view.gather {
         Some(light) => stages.time("gather", || at_sites(view, light, sites, progress))?,
-        None => Vec::new(),
+        None => (Vec::new(), 0),
     };
     let shading = Shading {
         view,
@@ -120,9 +122,13 @@ pub(crate) fn draw(
         direct: &direct,
         gathered: &gathered,
     };
-    let picture = stages.time("shade", || shading.picture());
+    let (image, clamped_pixels) = stages.time("shade", || shading.picture());
     go_on()?;
-    Some(picture)
+    Some(Picture {
+        image,
+        clamped_pixels,
+        gathered_rays,
+    })
 }
 
 struct Shading<'a> {
@@ -135,7 +141,8 @@ struct Shading<'a> {
 }
 
 impl Shading<'_> {
-    fn picture(&self) -> Picture {
+    /// The picture, and how many of its pixels had light from the basis below zero.
+    fn picture(&self) -> (Image, u64) {
         let (width, height) = (self.view.camera.width, self.view.camera.height);
         let clamped = AtomicU64::new(0);
         let pixels: Vec<Vec3> = (0..width as usize * height as usize)
@@ -150,10 +157,7 @@ impl Shading<'_> {
             })
             .collect();
         let image = Image::new(width, height, pixels).expect("a pixel each was made");
-        Picture {
-            image,
-            clamped_pixels: clamped.into_inner(),
-        }
+        (image, clamped.into_inner())
     }
 
     /// The pixel's value, and whether light from the basis was below zero there.
@@ -275,18 +279,16 @@ impl Shading<'_> {
             Some(gathered) => [gathered.indirect, gathered.sky],
             None => [view.indirect, view.sky].map(|light| self.interpolated(fragment, light)),
         };
-        let material = view.surface.mesh.triangles[fragment.triangle as usize].material;
-        let lobe = view.glossy.of(material);
-        let lobe = lobe.map(|it| {
-            let normal = self.vertex_normal(fragment, point);
-            (it, ViewedFrame::of(normal, view.to_eye(point)))
-        });
-        let lobe_albedo = lobe.map_or(Vec3::ZERO, |(it, frame)| it.albedo(frame.cosine));
+        let lobe = view.lobe(fragment, point);
+        let of_lobe = |lobe: &SeenLobe| lobe.glossy.albedo(lobe.frame.cosine);
+        let lobe_albedo = lobe.as_ref().map_or(Vec3::ZERO, of_lobe);
         let by_slices = || {
-            let (it, frame) = lobe?;
+            let glossy = lobe.as_ref()?.glossy;
             let corners = self.corners(fragment);
             let light = view.glossy_light?.at(corners, fragment.barycentrics)?;
-            Some(it.reflected(&frame, &light))
+            let normal = self.vertex_normal(fragment, point);
+            let frame = ViewedFrame::of(normal, view.to_eye(point));
+            Some(glossy.reflected(&frame, &light))
         };
         let glossy = gathered.map(|it| it.glossy).or_else(by_slices);
         let (glossy, glossy_dark) = clamped(glossy.unwrap_or(Vec3::ZERO));

@@ -27,6 +27,7 @@ pub(crate) enum Defect {
     MissingAlbedoMap,
     MissingEmissionMap,
     NoTextureCoordinates,
+    MapOfMetal,
 }
 
 impl Defect {
@@ -62,6 +63,7 @@ impl Defect {
             Self::MissingAlbedoMap => "its material is drawn with its Kd alone",
             Self::MissingEmissionMap => "its material emits its Ke alone",
             Self::NoTextureCoordinates => "drawn without texture",
+            Self::MapOfMetal => "no map tints a lobe; it reflects Kd or `specular` alone",
         }
     }
 }

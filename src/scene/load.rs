@@ -10,6 +10,7 @@ use super::file::fields::{key_error, suggestion};
 use super::files::{Disk, Files, Finder, Recorded};
 use super::images::Images;
 use super::maps::{self, MapStatement};
+use super::material::Reflection;
 use super::obj::{self, Loaded};
 use super::place::Place;
 use super::text::strict_text;
@@ -154,6 +155,12 @@ fn override_materials(loaded: &mut Loaded, document: &Document) -> Result<(), Sc
             };
         }
         material.specular = keys.specular.unwrap_or(material.specular);
+        let reflection = Reflection::of(material);
+        if let Some(map) = maps.albedo.as_mut() {
+            // A kind that was switched to says what the surface is.
+            let is_still = map.is_of_metal && keys.brdf.is_none();
+            map.is_of_metal = is_still || reflection.is_metal();
+        }
         material.roughness = keys.roughness.or(material.roughness);
         material.emission = keys.emission.unwrap_or(material.emission);
     }

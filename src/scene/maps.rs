@@ -29,6 +29,8 @@ pub(crate) struct MapStatement {
     /// Whether the colour beside it is absent or black, by which exporters
     /// mean the map alone.
     pub(crate) stands_alone: bool,
+    /// Whether the surface is a metal, all or in part, whose lobe the map would tint.
+    pub(crate) is_of_metal: bool,
 }
 
 /// The texture statements of a material.
@@ -123,6 +125,14 @@ fn load(
                 texture
             };
             material.albedo_map = Some(statement.map(texture));
+            if statement.is_of_metal {
+                let text = format!(
+                    "material {:?} is a metal, and its map_Kd does not tint what it reflects: {}",
+                    material.name,
+                    Defect::MapOfMetal.text()
+                );
+                defects.add_text(Defect::MapOfMetal, &statement.place, &text);
+            }
         }
     }
     if let Some(statement) = &maps.emission {

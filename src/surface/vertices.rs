@@ -7,6 +7,7 @@
 
 use glam::Vec3;
 
+use super::Arrival;
 use super::forest::Forest;
 use super::mesh::{EdgeSide, LightingMesh, NONE, SurfaceTriangle, interpolated};
 use crate::maths::functions::{acos_f32, sin_f32};
@@ -293,6 +294,15 @@ impl LightingVertices {
         } else {
             self.backs[triangle as usize]
         }
+    }
+
+    /// Vertices at whose corners a ray arrived, and their weights, without those that
+    /// have none; `None` where the side has no vertices: inside of a body.
+    pub(crate) fn met(&self, hit: &Arrival) -> Option<impl Iterator<Item = (u32, f32)>> {
+        let corners = self.of_triangle(hit.triangle, hit.front);
+        let weighted = corners.into_iter().zip(hit.barycentrics);
+        let met = weighted.filter(|&(vertex, weight)| vertex != NONE && weight > 0.0);
+        (corners != [NONE; 3]).then_some(met)
     }
 
     /// The front vertex of a back vertex, itself for a front vertex.

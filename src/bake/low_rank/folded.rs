@@ -39,6 +39,7 @@ use crate::bake::rows::GroupRows;
 use crate::bake::test_lights::LIGHTS;
 use crate::bake::transfer::GROUP;
 use crate::bake::{BakeError, LightErrors, RunSettings, prior};
+use crate::maths::rgb_fields::product;
 use crate::simd::Level;
 use columns::{Columns, PATTERNS, RANDOM_LIGHTS};
 use rayon::prelude::*;
@@ -79,7 +80,7 @@ impl Folded {
         (basis, near): (&Basis, &LowRank),
         (source, albedo): (&[[f32; 3]], &[[f32; 3]]),
     ) -> Vec<[f32; 3]> {
-        let beyond = series::product(albedo, &self.apply(level, (basis, near), source));
+        let beyond = product(albedo, &self.apply(level, (basis, near), source));
         let pairs = source.iter().zip(&beyond);
         let outgoing: Vec<[f32; 3]> = pairs
             .map(|(x, more)| [x[0] + more[0], x[1] + more[1], x[2] + more[2]])

@@ -34,6 +34,7 @@ pub(super) use sampled::{Task, pilot_rows, sampled_rows};
 
 use rayon::prelude::*;
 
+use super::are_scales;
 use super::basis::Basis;
 use super::rows::Rows;
 use crate::simd::Level;
@@ -62,8 +63,7 @@ impl LowRank {
         slot_count: usize,
         function_count: usize,
     ) -> Result<(), &'static str> {
-        let is_scale = |scale: &f32| scale.is_finite() && *scale >= 0.0;
-        if self.scales.len() != function_count || !self.scales.iter().all(is_scale) {
+        if !are_scales(&self.scales, function_count) {
             return Err("scales that do not fit the functions");
         }
         self.components.check(self.rows.function_count)?;

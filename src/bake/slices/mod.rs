@@ -16,12 +16,13 @@
 //! exactly, up to the last digit of U. Vertices whose material is not glossy have no slices.
 
 mod fit;
+mod quantise;
 mod sampled;
 
 use super::basis::Basis;
 use super::rows::Rows;
 use super::transfer::GROUP;
-use super::{apply_rows, sky};
+use super::{apply_rows, are_scales, sky};
 use crate::maths::spherical_harmonics::HARMONICS;
 use crate::simd::Level;
 
@@ -57,7 +58,6 @@ impl Slices {
         slot_count: usize,
         function_count: usize,
     ) -> Result<(), &'static str> {
-        let is_scale = |scale: &f32| scale.is_finite() && *scale >= 0.0;
         let functions = function_count + sky::FUNCTIONS as usize;
         let ascends = self.receivers.is_sorted_by(|a, b| a < b);
         let fits = self
@@ -67,7 +67,7 @@ impl Slices {
         if !ascends || !fits {
             return Err("glossy vertices that do not exist");
         }
-        if self.scales.len() != functions || !self.scales.iter().all(is_scale) {
+        if !are_scales(&self.scales, functions) {
             return Err("scales of slices that do not fit the functions");
         }
         let rows = self.receivers.len() * HARMONICS;

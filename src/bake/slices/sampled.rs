@@ -5,7 +5,7 @@ use crate::maths::cube_cells::{CELL_COUNT, cell_of};
 use crate::maths::sobol::ScrambledSobol;
 use crate::maths::spherical_harmonics::{Coefficients, HARMONICS, harmonics};
 use crate::simd::Level;
-use crate::surface::{NONE, Surface};
+use crate::surface::Surface;
 
 /// Seed of the points whose normals are averaged.
 const SEED: u32 = 0x511c;
@@ -125,16 +125,13 @@ pub(super) fn sample(sampling: &Sampling, vertex: u32, scratch: &mut Scratch) ->
             scratch.cells.add(cell_of(direction) as u32, 1.0, &h);
             continue;
         };
-        let corners = surface.vertices.of_triangle(hit.triangle, hit.front);
-        if corners == [NONE; 3] {
+        let Some(met) = surface.vertices.met(&hit) else {
             inside += 1;
             continue;
-        }
-        for (corner, weight) in corners.into_iter().zip(hit.barycentrics) {
-            if corner != NONE && weight > 0.0 {
-                let slot = sampling.slot_of_vertex[corner as usize];
-                scratch.senders.add(slot, weight, &h);
-            }
+        };
+        for (sender, weight) in met {
+            let slot = sampling.slot_of_vertex[sender as usize];
+            scratch.senders.add(slot, weight, &h);
         }
     }
     let scale = 1.0 / (sampling.rays - inside).max(1) as f32;

@@ -1,8 +1,8 @@
 //! Tables of the chapter of frames.
 
 use super::{in_percent, percent, table};
+use crate::measure::figures::named;
 use crate::measure::frame_errors::Compared;
-use crate::measure::report::named;
 use crate::relight::COMPONENTS;
 use crate::report::{Axis, Block, Cell, Column, Mark, Plot, Row, Series, Style};
 

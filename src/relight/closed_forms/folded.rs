@@ -1,6 +1,7 @@
 //! All bounces folded into one operator: the light that bounces one by one have.
 
 use std::f64::consts::PI;
+use std::sync::Mutex;
 
 use glam::{DVec3, Vec3};
 
@@ -189,4 +190,59 @@ fn endless_light_is_not_folded_and_is_an_error_still() {
     );
     assert!(diverges, "a closed room of albedo 1");
     assert!(!renderer.needs_bake(&settings), "another bake is no help");
+}
+
+/// Names of the stages of a job.
+#[derive(Default)]
+struct StageNames(Mutex<Vec<&'static str>>);
+
+impl Progress for StageNames {
+    fn stage(&self, name: &'static str, _: u64) {
+        self.0.lock().unwrap().push(name);
+    }
+
+    fn advance(&self, _: u64) {}
+
+    fn cancelled(&self) -> bool {
+        false
+    }
+}
+
+#[test]
+fn a_stored_bake_without_folded_bounces_is_folded_and_stored_with_them() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut scene = lit_room(false);
+    let silent = RunSettings::silent();
+    let mut free = Renderer::new(scene.clone(), Some(folder.path()));
+    free.bake(&silent).unwrap();
+    scene.bake.fixed_albedo = true;
+    let settings = FrameSettings::of_scene(&scene);
+    let renderer = || Renderer::new(scene.clone(), Some(folder.path()));
+    let mut fixed = renderer();
+    let bake = fixed.outlook(&silent).unwrap().bake;
+    assert!(!bake.cached && bake.folded_bytes > 0 && bake.seconds > 0.0);
+    assert_eq!(bake.row_bytes, free.figures().bake.unwrap().row_bytes);
+    assert!(!fixed.load_bake() && fixed.has_bake() && fixed.needs_folding(&settings));
+    let names = StageNames::default();
+    let told = RunSettings {
+        progress: &names,
+        ..RunSettings::silent()
+    };
+    fixed.bake(&told).unwrap();
+    assert_eq!(
+        *names.0.lock().unwrap(),
+        ["prior lights", "folding bounces", "error of folding"]
+    );
+    let figures = fixed.figures().bake.unwrap();
+    assert!(!figures.cached && figures.folded_bytes > 0);
+    let picture = fixed.frame(&settings, &silent).unwrap().image;
+    let fresh = Renderer::new(scene.clone(), None).frame(&settings, &silent);
+    assert!(picture == fresh.unwrap().image, "it is another picture");
+    // From now on it is there, to the byte.
+    let mut again = renderer();
+    assert!(again.load_bake() && !again.needs_bake(&settings));
+    let stored = again.figures().bake.unwrap();
+    assert!(stored.cached && stored.bytes == figures.bytes);
+    assert!(again.outlook(&silent).unwrap().bake.cached);
+    assert!(again.frame(&settings, &silent).unwrap().image == picture);
 }

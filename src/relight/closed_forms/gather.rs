@@ -173,6 +173,89 @@ fn gathered_light_adds_up() {
     at_least("gather, indirect", brightest(&indirect), 0.01);
 }
 
+/// The room with a sky, and surfaces with lobes.
+fn glossy_room() -> Scene {
+    let mut scene = lit_room();
+    for material in &mut scene.materials {
+        material.specular = Vec3::splat(0.5);
+        material.roughness = Some(0.4);
+    }
+    scene
+}
+
+#[test]
+fn rays_are_sent_for_what_is_shown_and_for_nothing_else() {
+    use Component::{Albedo, Depth, Direct, Global, Glossy, Indirect, Irradiance, Normal};
+    let (scene, run) = (glossy_room(), RunSettings::silent());
+    let mut renderer = Renderer::new(scene.clone(), None);
+    let mut sent = |component, bounces| {
+        let settings = FrameSettings {
+            bounces: Bounces::Count(bounces),
+            ..settings(&scene, component)
+        };
+        renderer.frame(&settings, &run).unwrap().gathered_rays
+    };
+    let [about_normals, by_lobes] = [Indirect, Glossy].map(|it| sent(it, 1));
+    let pixels = u64::from(scene.camera.size[0] * scene.camera.size[1]);
+    assert!(about_normals > 0 && about_normals <= pixels * 256);
+    // Those that facets send into the surface are not sent.
+    assert!(by_lobes > 0 && by_lobes < about_normals);
+    for (component, [bounced, by_sky]) in [
+        (Global, [about_normals + by_lobes; 2]),
+        (Irradiance, [about_normals; 2]),
+        (Direct, [about_normals; 2]),
+        (Indirect, [about_normals, 0]),
+        (Glossy, [by_lobes; 2]),
+        (Component::ApproximatedDirect, [0; 2]),
+        (Component::Partitions, [0; 2]),
+        (Albedo, [0; 2]),
+        (Normal, [0; 2]),
+        (Depth, [0; 2]),
+    ] {
+        assert_eq!(sent(component, 1), bounced, "{component}, a bounce");
+        assert_eq!(sent(component, 0), by_sky, "{component}, the sky alone");
+    }
+}
+
+#[test]
+fn what_shows_nothing_gathered_has_the_bits_of_standard_quality() {
+    let mut scene = glossy_room();
+    scene.lights.truncate(1);
+    let (mut renderer, run) = (Renderer::new(scene.clone(), None), RunSettings::silent());
+    for component in [Component::Direct, Component::Albedo, Component::Normal] {
+        let gather = settings(&scene, component);
+        let standard = FrameSettings {
+            quality: Quality::Standard,
+            ..gather
+        };
+        let [gather, standard] = [gather, standard].map(|it| {
+            let frame = renderer.frame(&it, &run).unwrap();
+            (frame.image, frame.gathered_rays, renderer.describe(&it))
+        });
+        assert!(gather == standard && gather.1 == 0, "{component}");
+    }
+}
+
+#[test]
+fn what_lobes_gather_is_the_rest_of_global_light() {
+    let [direct, indirect, glossy, global] = gathered(
+        &glossy_room(),
+        [
+            Component::Direct,
+            Component::Indirect,
+            Component::Glossy,
+            Component::Global,
+        ],
+    );
+    let pixels = 0..global.pixels().len();
+    let sums = pixels.map(|i| direct.pixels()[i] + indirect.pixels()[i] + glossy.pixels()[i]);
+    let gaps = sums.zip(global.pixels());
+    let gaps = gaps.map(|(sum, global)| f64::from((sum - *global).abs().max_element()));
+    at_most("gather by lobes, sum of the parts", largest(gaps), SUM);
+    let brightest = largest(glossy.pixels().iter().map(|p| f64::from(p.x)));
+    at_least("gather by lobes, glossy", brightest, 0.01);
+}
+
 #[test]
 fn gathers_have_the_same_bits_on_any_threads_and_level() {
     let scene = lit_room();

@@ -1,5 +1,7 @@
 //! Glossy surfaces: what a furnace leaves of them, and what 16 slices show.
 
+use std::sync::Arc;
+
 use glam::{DVec3, Vec3};
 
 use super::{at_least, at_most, frame_of, frames_of, largest};
@@ -14,7 +16,7 @@ use crate::relight::{Component, FrameSettings, Renderer};
 use crate::scene::sample_scenes::{
     BOX_SIDES, Facing, SampleMesh, constant_sky, cube_room, point_light,
 };
-use crate::scene::{Bounces, Light, LightKind, Scene};
+use crate::scene::{Bounces, Light, LightKind, PlacedLights, Placement, Scene};
 use crate::simd::Level;
 
 /// Pixels of a ball that a furnace should hide: all of a diffuse one, those of glossy
@@ -26,6 +28,9 @@ const OUTLINE: f64 = 0.12;
 /// What slices bring of constant light over what the table says, in the mean over
 /// vertices and views: eight bits.
 const CONSTANT: f64 = 0.01;
+/// What a lobe leaves of constant light at the middle of a pixel: the table's own
+/// steps. By a round normal it would be off by 0.017.
+const SHOWN: f64 = 1e-3;
 /// A turned scene has other rays and other partitions: 3.1 % of the picture at 1,024
 /// rays a vertex, edges of half a metre.
 const TURNED: f64 = 0.04;
@@ -79,6 +84,44 @@ fn a_white_ball_in_a_white_sky_cannot_be_seen() {
     }
 }
 
+/// A faceted ball: its faces have normals of their own, and its vertices round ones.
+#[test]
+fn a_lobe_takes_light_by_the_normal_that_is_shown() {
+    let mut scene = ball(1.0, Some((Vec3::splat(0.04), 0.3)));
+    scene.lights = vec![constant_sky(1.0)];
+    let [direct, normals] = frames_of(&scene, [Component::Direct, Component::Normal]);
+    let gloss = scene.materials[0].gloss();
+    let materials = GlossyMaterials::of_all([gloss].into_iter());
+    let left = |cosine: f32| 1.0 - materials.of(0).unwrap().albedo(cosine).x;
+    let as_it_is = Placement {
+        center: DVec3::ZERO,
+        scale: 1.0,
+        extent: 1.0,
+    };
+    let camera = scene.camera.place(&as_it_is);
+    let (mut off, mut off_if_round, mut seen) = (Vec::new(), Vec::new(), 0.0);
+    for (pixel, (direct, normal)) in direct.pixels().iter().zip(normals.pixels()).enumerate() {
+        let [x, y] = [pixel % 64, pixel / 64].map(|at| at as f64 + 0.5);
+        let ray = camera.direction(x, y).normalize();
+        // Not where a pixel shows two faces, nor at the outline, where all changes within
+        // a pixel.
+        let cosine = -normal.dot(ray);
+        if (normal.length() - 1.0).abs() > 1e-5 || cosine < 0.25 {
+            continue;
+        }
+        let (eye, ray) = (camera.eye, ray.as_dvec3());
+        let middle = eye.dot(ray);
+        let half_chord = (1.0 - eye.length_squared() + middle * middle).at_least(0.0);
+        let round = -(eye + ray * (-middle - half_chord.sqrt())).dot(ray);
+        off.push(f64::from((direct.x - left(cosine)).abs()));
+        off_if_round.push(f64::from((direct.x - left(round as f32)).abs()));
+        seen += 1.0;
+    }
+    at_least("pixels of one face", seen, 300.0);
+    at_most("light left by the shown normal", largest(off), SHOWN);
+    at_least("and by a round one", largest(off_if_round), 10.0 * SHOWN);
+}
+
 #[test]
 fn slices_bring_the_tabulated_albedo_of_constant_light() {
     let mut scene = cube_room(2.0, 0.4, 1024);
@@ -88,7 +131,7 @@ fn slices_bring_the_tabulated_albedo_of_constant_light() {
     let (surface, bake) = renderer.transfer();
     let bake = bake.unwrap();
     let outgoing = vec![[1.0; 3]; bake.basis().slot_count()].into();
-    let light = KeptGlossyLight::default().of(bake, Level::detect(), &outgoing, &[]);
+    let light = KeptGlossyLight::default().of(bake, Level::detect(), Some(outgoing), &[]);
     for roughness in [0.2, 0.4, 0.6, 1.0] {
         let gloss = Gloss::of(Vec3::ONE, roughness);
         let materials = GlossyMaterials::of_all([gloss].into_iter());
@@ -206,6 +249,49 @@ fn a_lobe_is_switched_without_a_bake() {
         assert_eq!(switched, fresh.image);
         assert_ne!(switched, first, "nothing has changed");
     }
+}
+
+#[test]
+fn slices_are_applied_for_what_is_shown_and_for_nothing_else() {
+    let mut scene = room_with_ball(0.5);
+    scene.bake.rays = Some(64);
+    let run = RunSettings::silent();
+    let mut renderer = Renderer::new(scene.clone(), None);
+    let mut applies = |bounces: u32, has_sky: bool, is_glossy: bool| {
+        renderer.relight(|lights, materials| {
+            lights.truncate(1);
+            lights.extend(has_sky.then(|| constant_sky(0.5)));
+            materials[0].specular = Vec3::splat(f32::from(u8::from(is_glossy)));
+        });
+        let settings = FrameSettings {
+            bounces: Bounces::Count(bounces),
+            ..FrameSettings::of_scene(&scene)
+        };
+        let frame = renderer.frame(&settings, &run).unwrap();
+        let stages = frame.stages.times_ms().iter();
+        stages.filter(|(stage, _)| *stage == "glossy light").count() == 1
+    };
+    assert!(applies(1, false, true), "bounced light");
+    assert!(applies(0, true, true), "the sky");
+    assert!(!applies(0, false, true), "no light");
+    assert!(!applies(1, true, false), "no lobe");
+}
+
+#[test]
+fn glossy_light_of_a_sky_alone_is_kept() {
+    let mut scene = room_with_ball(0.5);
+    scene.bake.rays = Some(64);
+    let mut renderer = Renderer::new(scene, None);
+    renderer.bake(&RunSettings::silent()).unwrap();
+    let (surface, bake) = renderer.transfer();
+    let skies = PlacedLights::of_file(&[constant_sky(0.5)], &surface.placement).skies;
+    let mut kept = KeptGlossyLight::default();
+    let mut light = |outgoing| kept.of(bake.unwrap(), Level::detect(), outgoing, &skies);
+    let first = light(None);
+    assert!(Arc::ptr_eq(&first, &light(None)));
+    let outgoing = vec![[1.0; 3]; bake.unwrap().basis().slot_count()].into();
+    assert!(!Arc::ptr_eq(&first, &light(Some(outgoing))), "bounces came");
+    assert!(!Arc::ptr_eq(&first, &light(None)), "and went");
 }
 
 #[test]

@@ -41,7 +41,9 @@ pub(in crate::relight) struct Arriving {
 /// What rays bring to the points of a view.
 pub(in crate::relight) struct Rays<'a> {
     view: &'a View<'a>,
-    light: &'a GatherLight,
+    pub(super) light: &'a GatherLight,
+    /// Rays sent so far.
+    pub(super) sent: u64,
     rays: Vec<Ray>,
     hits: Vec<Option<Hit>>,
     incidents: Vec<Incident<'a>>,
@@ -53,6 +55,7 @@ impl<'a> Rays<'a> {
         Self {
             view,
             light,
+            sent: 0,
             rays: Vec::new(),
             hits: Vec::new(),
             incidents: Vec::new(),
@@ -74,6 +77,7 @@ impl<'a> Rays<'a> {
             direction: it.direction,
             t_max: f32::INFINITY,
         }));
+        self.sent += wanted.len() as u64;
         self.hits.clear();
         self.hits.resize(wanted.len(), None);
         let (view, tree) = (self.view, &self.view.surface.rays);
@@ -85,7 +89,7 @@ impl<'a> Rays<'a> {
                     found.bounced = self.reflected(&hit, it);
                     found.nearness = 1.0 / hit.t.at_least(f32::MIN_POSITIVE);
                 }
-                None if self.light.has_sky => {
+                None if self.light.parts.sky => {
                     found.sky = view.lights.sky_without_suns(it.direction, it.spread_rad);
                 }
                 None => {}

@@ -1,9 +1,11 @@
 //! Bounces that are folded under a fixed albedo: whether they still are.
 
+use std::sync::Arc;
+
 use glam::Vec3;
 
 use super::Renderer;
-use crate::bake::{BakeError, RunSettings, Scheme};
+use crate::bake::{BakeError, RunSettings, Scheme, store_folded};
 use crate::brdf::Gloss;
 use crate::relight::colours::vertex_albedo;
 use crate::relight::frame::FrameSettings;
@@ -41,11 +43,19 @@ impl Renderer {
     /// bounces one by one, which is as right and slower.)
     pub fn needs_folding(&self, settings: &FrameSettings) -> bool {
         let asks = settings.bounces == Bounces::All && settings.needs_bounces();
-        let is_fixed = self.scene.bake.fixed_albedo && self.scheme == Scheme::Relume;
-        asks && is_fixed && self.baked.is_some() && !self.is_folded()
+        asks && self.lacks_folding()
     }
 
-    /// Folds the bounces of the bake under the albedo as it is now.
+    /// Whether the bounces of the bake are to be folded, and are not under the albedo
+    /// as it is now.
+    pub(super) fn lacks_folding(&self) -> bool {
+        let is_fixed = self.scene.bake.fixed_albedo && self.scheme == Scheme::Relume;
+        is_fixed && self.baked.is_some() && !self.is_folded()
+    }
+
+    /// Folds the bounces of the bake under the albedo as it is now. A bake from the
+    /// cache folder that has none folded yet goes there again with them; what is edited
+    /// after that does not.
     pub(super) fn fold_anew(&mut self, run: &RunSettings) -> Result<(), BakeError> {
         let fixed_albedo = self.fixed_albedo();
         let Some(baked) = self
@@ -56,10 +66,21 @@ impl Renderer {
             return Ok(());
         };
         let (scene, surface) = (&self.scene, &self.surface);
-        self.stages.time("bake", || {
+        let folder = self.cache_folder.as_deref();
+        let warning = self.stages.time("bake", || {
             let albedo = vertex_albedo(scene, surface);
-            baked.bake.fold(surface, &albedo, run)
+            let bake = Arc::make_mut(&mut baked.bake);
+            bake.fold(surface, &albedo, run)?;
+            if baked.fixed_albedo.is_some() {
+                return Ok(None);
+            }
+            baked.cached = false;
+            let fronts = &albedo[..surface.vertices.front_count()];
+            let (bytes, warning) = store_folded(bake, &baked.key, fronts, folder);
+            baked.file_bytes = bytes;
+            Ok(warning)
         })?;
+        self.warnings.extend(warning);
         baked.fixed_albedo = fixed_albedo;
         self.bounced = None;
         Ok(())

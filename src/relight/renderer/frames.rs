@@ -78,6 +78,7 @@ impl Renderer {
             image: picture.image,
             clamped_pixels: picture.clamped_pixels,
             computed_lights: at_vertices.computed_lights,
+            gathered_rays: picture.gathered_rays,
             stages,
         })
     }
@@ -129,10 +130,9 @@ impl Renderer {
             let at_vertices = settings
                 .needs_bounces()
                 .then(|| stages.time("bounces", || self.lit_vertices(settings.bounces, run)));
-            found.gather = Some(GatherLight {
-                has_sky: settings.gathers_sky(lights),
-                at_vertices: at_vertices.transpose()?,
-            });
+            let parts = settings.gathered_parts(!lights.skies.is_empty());
+            let at_vertices = at_vertices.transpose()?;
+            found.gather = parts.any().then_some(GatherLight { parts, at_vertices });
             return Ok(found);
         }
         let mut outgoing = None;
@@ -141,15 +141,16 @@ impl Renderer {
             found.indirect = Arc::clone(&bounced.irradiance);
             outgoing = Some(Arc::clone(&bounced.outgoing));
         }
-        if settings.component.needs_glossy()
+        let is_shown = settings.component.needs_glossy() && self.glossy.any();
+        let arrives = outgoing.is_some() || !lights.skies.is_empty();
+        if is_shown
+            && arrives
             && let Some(baked) = &self.baked
             && baked.bake.slices().is_some()
         {
-            let slots = baked.bake.basis().slot_count();
-            let outgoing = outgoing.unwrap_or_else(|| vec![[0.0; 3]; slots].into());
             let kept = &mut self.glossy_light;
             found.glossy = Some(stages.time("glossy light", || {
-                kept.of(&baked.bake, run.level, &outgoing, &lights.skies)
+                kept.of(&baked.bake, run.level, outgoing, &lights.skies)
             }));
         }
         Ok(found)

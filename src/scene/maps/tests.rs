@@ -98,6 +98,62 @@ fn an_override_multiplies_the_map_whatever_it_is() {
 }
 
 #[test]
+fn a_metal_beside_a_map_reflects_its_colour_and_is_warned_of() {
+    let with = |statements: &str, overrides: &[&str]| material(statements, overrides);
+    let metal = "material.m.brdf=\"brushed metal\"";
+    let half = Vec3::splat(0.5);
+    // The colour beside a map that stands alone is white, and it is the metal's then.
+    for (statements, specular) in [
+        ("map_Kd a.png", Vec3::ONE),
+        ("Kd 0 0 0\nmap_Kd a.png", Vec3::ONE),
+        ("Kd 0.5\nmap_Kd a.png", half),
+    ] {
+        let (found, warnings) = with(statements, &[metal]);
+        assert_eq!((found.albedo, found.specular), (Vec3::ZERO, specular));
+        assert_eq!(found.roughness, Some(0.5));
+        assert!(found.albedo_map.is_some());
+        let [warning] = warnings.as_slice() else {
+            panic!("{statements}: {warnings:?}");
+        };
+        assert!(warning.starts_with("a.mtl:") && warning.contains("does not tint"));
+    }
+    for (statements, overrides) in [
+        ("map_Kd a.png\nPm 1", vec![]),
+        ("Kd 0.5\nmap_Kd a.png\nPm 0.5", vec![]),
+        (
+            "Kd 0.5\nmap_Kd a.png\nPm 0.5",
+            vec!["material.m.roughness=0.2"],
+        ),
+        (
+            "map_Kd a.png",
+            vec![
+                "material.m.albedo=[0, 0, 0]",
+                "material.m.specular=[1, 0.8, 0.5]",
+            ],
+        ),
+    ] {
+        assert_eq!(with(statements, &overrides).1.len(), 1, "{statements}");
+    }
+    // Of anything else it is the diffuse part's alone, as it should be.
+    let (plastic, warnings) = with("map_Kd a.png", &["material.m.brdf=plastic"]);
+    assert_eq!(
+        (plastic.albedo, plastic.specular),
+        (Vec3::ONE, Vec3::splat(0.04))
+    );
+    assert_eq!(warnings, [""; 0]);
+    for (statements, overrides) in [
+        ("map_Kd a.png\nPm 0", vec![]),
+        ("Kd 0.5\nKs 0.5\nmap_Kd a.png", vec![]),
+        ("Kd 0.5\nmap_Kd a.png\nPm 1", vec!["material.m.brdf=matte"]),
+        ("Kd 0.5\nmap_Kd none.png\nPm 1", vec![]),
+    ] {
+        let warnings = with(statements, &overrides).1;
+        let tells = |it: &String| it.contains("does not tint");
+        assert!(!warnings.iter().any(tells), "{statements}: {warnings:?}");
+    }
+}
+
+#[test]
 fn files_that_are_not_there_are_counted_where_they_are_used() {
     let faces = format!("usemtl a\n{MAPPED}usemtl b\n{MAPPED}");
     let mtl = "newmtl a\nmap_Kd lost.png\nnewmtl b\nmap_Kd lost.png\nmap_Ke lost too.png\n\

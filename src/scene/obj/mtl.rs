@@ -246,6 +246,7 @@ fn map_statement(
         offset: texture.offset,
         clamp: texture.clamp,
         stands_alone: false,
+        is_of_metal: false,
     })
 }
 
@@ -278,6 +279,9 @@ fn converted(material: &tobj::Material, note: &Note) -> (Material, MaterialMaps)
         true => Vec3::ONE,
         false => Material::unnamed().albedo,
     });
+    if let Some(map) = &mut maps.albedo {
+        map.is_of_metal = gloss.metalness() > 0.0;
+    }
     let diffuse_share = 1.0 - gloss.metalness();
     if diffuse_share < 1.0 {
         // What the map is multiplied by is said here.

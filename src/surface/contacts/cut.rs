@@ -6,7 +6,7 @@ use std::collections::HashMap;
 
 use glam::{DVec2, DVec3, IVec3, Vec3};
 use spade::handles::FixedVertexHandle;
-use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
+use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation, mitigate_underflow};
 
 use super::Tolerances;
 use super::lines::{Line, crossings, distance_to, split_at};
@@ -333,8 +333,10 @@ impl<'a> Nodes<'a> {
             .iter()
             .enumerate()
             .map(|(index, node)| {
+                // What is so near to 0 that products of it vanish is taken for it.
+                let place = mitigate_underflow(Point2::new(node.flat.x, node.flat.y));
                 let handle = mesh
-                    .insert(Point2::new(node.flat.x, node.flat.y))
+                    .insert(place)
                     .expect("placed positions are finite and not beyond 1");
                 if handle.index() == node_of.len() {
                     node_of.push(index);

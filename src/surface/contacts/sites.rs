@@ -4,7 +4,7 @@
 
 use std::collections::HashMap;
 
-use glam::{DVec3, Vec3};
+use glam::{DVec3, IVec3, Vec3};
 
 use super::find::{Contact, Large};
 use super::{COPLANAR_COSINE, Tolerances};
@@ -214,18 +214,52 @@ fn agree_on_edges(large: &[Large], segments: &mut [Segment], snap: f64) {
     }
 }
 
-/// Sites inside one triangle that are close to each other become one.
+/// Sites inside one triangle that are close to each other become one: the first.
 fn merge_inside(segments: &mut [Segment], snap: f64) {
-    let mut kept: Vec<Vec3> = Vec::new();
+    let mut kept = Kept::of_snap(snap);
     for site in segments.iter_mut().flat_map(|segment| &mut segment.ends) {
-        if site.place != Place::Inside {
-            continue;
+        if site.place == Place::Inside {
+            site.position = kept.first_close(site.position);
         }
-        let is_close = |other: &&Vec3| f64::from(other.distance(site.position)) <= snap;
-        match kept.iter().find(is_close) {
-            Some(&other) => site.position = other,
-            None => kept.push(site.position),
+    }
+}
+
+/// Positions by cells of space.
+struct Kept {
+    snap: f64,
+    positions: Vec<Vec3>,
+    /// Those of a cell, ascending.
+    in_cell: HashMap<IVec3, Vec<usize>>,
+}
+
+impl Kept {
+    fn of_snap(snap: f64) -> Self {
+        Self {
+            snap,
+            positions: Vec::new(),
+            in_cell: HashMap::new(),
         }
+    }
+
+    /// Cells twice as wide as what is close, so that rounding hides no neighbour.
+    fn cell(&self, position: Vec3) -> IVec3 {
+        (position.as_dvec3() / (2.0 * self.snap)).floor().as_ivec3()
+    }
+
+    /// The first position that this one is close to: itself if there is none.
+    fn first_close(&mut self, position: Vec3) -> Vec3 {
+        let cell = self.cell(position);
+        let step = |k: i32| IVec3::new(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1);
+        let beside = (0..27).map(|k| cell.wrapping_add(step(k)));
+        let near = beside.filter_map(|cell| self.in_cell.get(&cell)).flatten();
+        let is_close = |&&k: &&usize| f64::from(self.positions[k].distance(position)) <= self.snap;
+        if let Some(&first) = near.filter(is_close).min() {
+            return self.positions[first];
+        }
+        let in_cell = self.in_cell.entry(cell).or_default();
+        in_cell.push(self.positions.len());
+        self.positions.push(position);
+        position
     }
 }
 
@@ -289,4 +323,48 @@ fn drop_small_groups(segments: &mut Vec<Segment>, smallest: f64) {
         let [lower, upper] = boxes[forest.root(ends[0]) as usize];
         f64::from(lower.distance(upper)) >= smallest
     });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::maths::hash::uniform;
+
+    #[test]
+    fn sites_merge_into_the_first_that_is_close() {
+        let snap = 0.02;
+        let end = |k: u32| Site {
+            // Some lie exactly on the borders of cells.
+            position: [0, 1, 2]
+                .map(|axis| match axis {
+                    2 => (uniform(3, k, axis) * 8.0).floor() * 0.04,
+                    _ => uniform(3, k, axis) - 0.5,
+                })
+                .into(),
+            place: match k % 7 {
+                0 => Place::Corner(0),
+                _ => Place::Inside,
+            },
+        };
+        let mut segments: Vec<Segment> = (0..2_000)
+            .map(|k| Segment {
+                target: 0,
+                ends: [end(2 * k), end(2 * k + 1)],
+            })
+            .collect();
+        let mut kept: Vec<Vec3> = Vec::new();
+        let mut expected = segments.clone();
+        for site in expected.iter_mut().flat_map(|segment| &mut segment.ends) {
+            let is_close = |other: &&Vec3| f64::from(other.distance(site.position)) <= snap;
+            match kept.iter().find(is_close) {
+                _ if site.place != Place::Inside => {}
+                Some(&other) => site.position = other,
+                None => kept.push(site.position),
+            }
+        }
+        assert!(kept.len() > 1_000 && kept.len() < 3_000, "{}", kept.len());
+        merge_inside(&mut segments, snap);
+        let ends = |of: &[Segment]| of.iter().flat_map(|it| it.ends).collect::<Vec<_>>();
+        assert!(ends(&segments) == ends(&expected));
+    }
 }

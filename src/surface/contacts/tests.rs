@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use glam::{DMat3, DVec3, Vec3};
 
-use super::SNAP;
+use super::{Cuts, SNAP};
 use crate::maths::order::Order;
 use crate::scene::Scene;
 use crate::scene::sample_scenes::{BOX_SIDES, Facing, SampleMesh, cube_room};
@@ -223,4 +223,30 @@ fn joints_of_contacts_keep_the_surface_one_to_pixels() {
     let separate = surface.mesh.contacts.len();
     assert!(separate > 40, "{separate} edges of contacts");
     assert!(patches.len() <= 5, "{} patches", patches.len());
+}
+
+/// A floor on which a wall stands, at a place that is hardly not 0.
+#[test]
+fn coordinates_that_vanish_in_products_are_cut_like_zero() {
+    let pieces_at = |x: f32| {
+        let at = |x: f32, z: f32| Vec3::new(x, 0.0, z);
+        let [a, b, c, d] = [at(-1.0, -1.0), at(-1.0, 1.0), at(1.0, 1.0), at(1.0, -1.0)];
+        let up = |z: f32| Vec3::new(x, 0.8, z);
+        let [e, f] = [at(x, -0.7), at(x, 0.6)];
+        let triangles = [
+            [a, b, c],
+            [a, c, d],
+            [e, f, up(0.6)],
+            [e, up(0.6), up(-0.7)],
+        ];
+        let cuts = Cuts::of(&triangles, 0.25);
+        let pieces = |triangle: u32| cuts.pieces(triangle).map_or(0, <[_]>::len);
+        assert!(!cuts.contacts.is_empty(), "the wall stands on the floor");
+        [pieces(0), pieces(1)]
+    };
+    let at_zero = pieces_at(0.0);
+    assert!(at_zero[0] > 10 && at_zero[1] > 10, "{at_zero:?}");
+    for x in [1e-44, -1e-44, f32::from_bits(1), 1e-42, 1e-38] {
+        assert_eq!(pieces_at(x), at_zero, "{x:e}");
+    }
 }

@@ -2,11 +2,11 @@
 
 use rayon::prelude::*;
 
-use super::series::product;
 use super::{FoldTask, Folded};
 use crate::bake::audit::relative_error;
 use crate::bake::test_lights::{LIGHTS, TestLights};
 use crate::bake::{BakeError, LightErrors, STATED_SEED};
+use crate::maths::rgb_fields::product;
 
 impl FoldTask<'_> {
     /// Relative difference under the lights that a bake states its error by, as

@@ -8,6 +8,7 @@
 use crate::bake::basis::Basis;
 use crate::bake::low_rank::LowRank;
 use crate::maths::order::Order;
+use crate::maths::rgb_fields::{add, product};
 use crate::simd::Level;
 
 /// What may be missing or too much of a sum, root mean square over the vertices,
@@ -37,7 +38,7 @@ impl Series<'_> {
         let mut last = self.bounce(source);
         let mut sum = last.clone();
         for bounce in 0..MOST_BOUNCES {
-            let outgoing: Vec<[f32; 3]> = product(self.albedo, &last);
+            let outgoing = product(self.albedo, &last);
             let next = self.bounce(&outgoing);
             add(&mut sum, &next, [1.0; 3]);
             let steps = [0, 1, 2].map(|channel| Step::of(&last, &next, &sum, channel));
@@ -96,23 +97,5 @@ impl Step {
     /// Sum of all later bounces over the last.
     fn rest(&self) -> f64 {
         self.ratio / (1.0 - self.ratio)
-    }
-}
-
-/// a b, channel by channel.
-pub(super) fn product(a: &[[f32; 3]], b: &[[f32; 3]]) -> Vec<[f32; 3]> {
-    let pairs = a.iter().zip(b);
-    pairs
-        .map(|(a, b)| [a[0] * b[0], a[1] * b[1], a[2] * b[2]])
-        .collect()
-}
-
-/// Adds `more`, times a factor a channel.
-fn add(sum: &mut [[f32; 3]], more: &[[f32; 3]], factor: [f64; 3]) {
-    let factor = factor.map(|f| f as f32);
-    for (total, value) in sum.iter_mut().zip(more) {
-        for channel in 0..3 {
-            total[channel] += value[channel] * factor[channel];
-        }
     }
 }
