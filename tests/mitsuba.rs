@@ -34,7 +34,7 @@ const SIZE: &str = "160x120";
 /// Paths a pixel of the reference. Two seeds of 128 paths differ in the mean by
 /// 0.15 % on the plank (two lights, of which a path takes one at random) and by
 /// at most 0.06 % on the other scenes; 512 paths keep the noise of the mean
-/// below 0.1 %, far from both limits of the bias.
+/// below 0.1 %, far from the limits of the bias.
 const PATHS_A_PIXEL: &str = "512";
 /// Most relative difference of the mean of direct light, which relume computes
 /// exactly at every sample: what remains is the anti-aliasing of shadow edges.
@@ -52,7 +52,8 @@ const GLOBAL_BIAS: f64 = 0.01;
 const DIRECT_BLOCK_ERROR: f64 = 0.02;
 /// The same after four bounces: what a bake promises for indirect light.
 const GLOBAL_BLOCK_ERROR: f64 = 0.05;
-/// The same two of a final gather: what `--quality gather` promises.
+/// The same two of a final gather, which has no error of vertices left in what
+/// pixels receive last, only in what its rays read.
 const GATHER_BIAS: f64 = 0.005;
 const GATHER_BLOCK_ERROR: f64 = 0.015;
 
@@ -163,7 +164,7 @@ fn render_with_mitsuba(case: &Case, output: &Path) {
         .args(["--bounces", &case.bounces.to_string()]));
 }
 
-/// The cache is the folder's own, so both frames of a scene share one bake.
+/// The cache is the folder's own, so the frames of a scene share one bake.
 fn render_with_relume(case: &Case, candidate: &Candidate, folder: &Path, output: &Path) {
     run(Command::new(env!("CARGO_BIN_EXE_relume"))
         .arg("render")

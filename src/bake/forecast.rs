@@ -158,6 +158,7 @@ const RAYS_OF_SOLUTION: f64 = 3.0;
 impl BakeForecast {
     /// Adds what folding all bounces costs.
     fn add_folding(&mut self, seconds_a_ray: f64) {
+        self.bytes -= self.folded_bytes;
         self.folded_bytes = (self.vertices as f64 * FOLDED_BYTES_A_VERTEX) as usize;
         self.bytes += self.folded_bytes;
         self.peak_bytes += low_rank::folding_bytes(self.partitions, self.functions);

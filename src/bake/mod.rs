@@ -87,6 +87,7 @@ pub(crate) use pilot::escaped_share_of_fronts;
 pub use run::{Progress, RunSettings, Silent, ThreadPool, ThreadPoolError, thread_pool};
 pub(crate) use scheme::Operator;
 pub use scheme::{Partitioner, Scheme};
+pub(crate) use settings::RAYS as DEFAULT_RAYS;
 pub use settings::{BakeSettings, FreeKeys};
 pub(crate) use sky::OPEN_SHARE;
 pub use stats::BakeStats;

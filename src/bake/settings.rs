@@ -4,15 +4,12 @@ use super::paper;
 use super::scheme::Scheme;
 use crate::scene::BakeKeys;
 
-/// Rays a vertex. Error of one bounce in per cent at 1,024, 4,096 and 8,192: the
-/// window's room at 21,000 vertices 3.7, 2.5, 2.0; at its 58,000 vertices by
-/// default 4.1 at 2,048. Of coarse meshes under tuning lights at 1,024, 2,048, 3,072
-/// and 4,096 (the table of methods): cornell 2.29, 1.69, 1.40, 1.25, window 4.45, 3.72,
-/// 3.46, 3.25. By default at 3,072 and 6,144, mean and 95th percentile: the window's
-/// room 3.50 / 10.8 and 2.67 / 6.5 (suns through the window light small places; over
-/// four seeds of lights 3.4 / 9.3 and 2.7 / 6.9), cornell 1.37 / 2.5 and 1.09 / 2.4 for
-/// 26 % more processor time. More coefficients instead, 96, make it 3.22 / 9.5.
-const RAYS: u32 = 6144;
+/// Rays a vertex. Error of one bounce in per cent, mean and 95th percentile, of coarse
+/// meshes under tuning lights at 3,072, 4,096, 6,144 and 8,192: cornell 1.25 / 2.4,
+/// 1.12 / 2.3, 1.00 / 2.0, 0.93 / 1.9; window 4.16 / 9.6, 3.60 / 8.2, 3.51 / 7.7, 3.20 /
+/// 7.9 (suns through a window light small places, which few rays of a row meet). A bake
+/// of Cornell's box by default takes 26 % more processor time at 6,144 than at 3,072.
+pub(crate) const RAYS: u32 = 6144;
 /// Basis functions for 1,000 vertices. Error of one bounce in per cent at 32, 64
 /// and 96: the sheet's room 5.0, 2.9, 2.3, the window's room 4.6, 3.6, 3.2, at
 /// bytes a vertex of 100, 98 and 121. Shared by what bounces, at 32, 64, 96 and 128 and

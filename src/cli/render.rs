@@ -108,6 +108,7 @@ fn report(arguments: &Render, renderer: &Renderer, frame: &Frame, digest: &str) 
     let mut json = json!({ "digest": digest, "size": size, "quality": quality });
     add_figures(&mut json, &figures);
     json["clamped_pixels"] = json!(frame.clamped_pixels);
+    json["gathered_rays"] = json!(frame.gathered_rays);
     json["ms"] = stage_times(&[renderer.preparation(), &frame.stages]);
     let mut text = String::new();
     for path in &arguments.view.output {

@@ -17,8 +17,8 @@ use crate::report::Block;
 use crate::scene::Scene;
 use crate::surface::Surface;
 
-/// Up to so many vertices the rays of all rows are kept for the sweeps: 49 kB a
-/// vertex.
+/// Up to so many vertices the rays of all rows are kept for the sweeps: 98 kB a
+/// vertex, 2 GB in all.
 const KEPT_VERTICES: usize = 20_000;
 /// Beyond so many, the chapters of vertices and sweeps would take hours.
 const MOST_VERTICES: usize = 100_000;

@@ -6,7 +6,9 @@ use std::time::Instant;
 use glam::Vec3;
 
 use super::vertices::{BOUNCES, Truth};
-use crate::bake::{Bake, BakeError, BakeSettings, LightErrors, RunSettings, Scheme, Study};
+use crate::bake::{
+    Bake, BakeError, BakeSettings, DEFAULT_RAYS, LightErrors, RunSettings, Scheme, Study,
+};
 use crate::maths::order::Order;
 use crate::relight::Transport;
 use crate::scene::Bounces;
@@ -22,7 +24,7 @@ const FEW_COEFFICIENTS: [u32; 3] = [32, 64, 128];
 const FEW_FUNCTIONS: [u32; 2] = [256, 1024];
 /// Most rays a vertex of a sweep: those of a bake by default, which then need not
 /// be traced for every point.
-pub(super) const MOST_RAYS: u32 = 6144;
+pub(super) const MOST_RAYS: u32 = DEFAULT_RAYS;
 /// Times that the bounces of a point are timed; the least counts, since other
 /// programs only ever add to it.
 pub(super) const TIMED: usize = 15;

@@ -63,7 +63,7 @@ impl Renderer {
         if settings.component.needs_direct() {
             metadata.set_own("light_samples", settings.light_samples.to_string());
         }
-        if settings.gathered_parts(self.has_sky()).any() {
+        if self.gathered_parts(settings).any() {
             metadata.set_own("quality", settings.quality.name());
             metadata.set_own("gather.rays", RAYS.to_string());
         }

@@ -71,17 +71,19 @@ impl FrameSettings {
         self.component.needs_direct() && !lights.skies.is_empty()
     }
 
-    /// What of a final gather is shown; nothing of one that is not made.
-    pub(super) fn gathered_parts(&self, has_sky: bool) -> GatheredParts {
+    /// What of a final gather is shown, with or without a sky and materials that have
+    /// a lobe; nothing of one that is not made.
+    pub(super) fn gathered_parts(&self, has_sky: bool, has_lobes: bool) -> GatheredParts {
         if !self.gathers() {
             return GatheredParts::default();
         }
         let (component, bounces) = (self.component, self.needs_bounces());
+        let by_lobes = has_lobes && component.needs_glossy() && (bounces || has_sky);
         GatheredParts {
             irradiance: (component.needs_indirect() && bounces)
                 || (component.needs_direct() && has_sky),
-            by_lobes: component.needs_glossy() && (bounces || has_sky),
-            sky: has_sky && (component.needs_direct() || component.needs_glossy()),
+            by_lobes,
+            sky: has_sky && (component.needs_direct() || by_lobes),
         }
     }
 }
@@ -116,7 +118,7 @@ pub struct Frame {
     pub clamped_pixels: u64,
     /// Lights whose light at the vertices was computed for this frame.
     pub computed_lights: usize,
-    /// Rays that pixels sent in a final gather.
+    /// Rays that pixels sent in a final gather, those to lamps not counted.
     pub gathered_rays: u64,
     /// Milliseconds by stage.
     pub stages: Stages,

@@ -12,7 +12,7 @@ use thiserror::Error;
 use super::basis_view::BasisFunctionError;
 use super::bounces::BounceError;
 use super::colours::{VertexColours, vertex_albedo};
-use super::frame::FrameSettings;
+use super::frame::{FrameSettings, GatheredParts};
 use super::glossy_light::KeptGlossyLight;
 use super::kept::{KeptDirect, KeptLights};
 use super::lit_sites::KeptPictures;
@@ -242,23 +242,25 @@ impl Renderer {
 
     /// Takes the bake from the cache, if it is there; where its bounces are to be
     /// folded and are not, one without. One that cannot be used is warned of when it
-    /// is made anew.
+    /// is made anew, or here where the other takes its place.
     fn load(&mut self, settings: &BakeSettings) {
         let fixed_albedo = self.fixed_albedo();
         let (surface, folder) = (&mut self.surface, self.cache_folder.as_deref());
         let scene = &self.scene;
         let albedo_of = |surface: &Surface| vertex_albedo(scene, surface);
-        let mut stored = |albedo| {
-            let stored = load_stored(surface, settings, albedo, folder);
-            stored.ok().flatten()
-        };
+        let mut stored = |albedo| load_stored(surface, settings, albedo, folder);
+        let mut damaged = None;
         self.baked = self.stages.time("bake", || {
             let folded = fixed_albedo.and_then(|fixed| {
-                let folded = stored(Some(&albedo_of as AlbedoOf))?;
-                Some(Baked::of(folded, Some(fixed)))
+                let folded = stored(Some(&albedo_of as AlbedoOf));
+                let folded = folded.map_err(|warning| damaged = Some(warning));
+                Some(Baked::of(folded.ok()??, Some(fixed)))
             });
-            folded.or_else(|| Some(Baked::of(stored(None)?, None)))
+            folded.or_else(|| Some(Baked::of(stored(None).ok()??, None)))
         });
+        if self.baked.is_some() {
+            self.warnings.extend(damaged);
+        }
     }
 
     /// Takes the bake from the cache folder, if a valid one is there; says whether
@@ -332,6 +334,12 @@ impl Renderer {
     pub(super) fn has_sky(&self) -> bool {
         let is_sky = |light: &Light| matches!(light.kind, LightKind::Environment(_));
         self.scene.lights.iter().any(is_sky)
+    }
+
+    /// What of a final gather a frame shows.
+    pub(super) fn gathered_parts(&self, settings: &FrameSettings) -> GatheredParts {
+        let has_lobes = self.scene.materials.iter().any(|it| it.gloss().is_some());
+        settings.gathered_parts(self.has_sky(), has_lobes)
     }
 
     /// What the user should know about mesh and cache; each sentence once.

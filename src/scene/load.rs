@@ -159,7 +159,7 @@ fn override_materials(loaded: &mut Loaded, document: &Document) -> Result<(), Sc
         if let Some(map) = maps.albedo.as_mut() {
             // A kind that was switched to says what the surface is.
             let is_still = map.is_of_metal && keys.brdf.is_none();
-            map.is_of_metal = is_still || reflection.is_metal();
+            map.is_of_metal = reflection.is_glossy() && (is_still || reflection.is_metal());
         }
         material.roughness = keys.roughness.or(material.roughness);
         material.emission = keys.emission.unwrap_or(material.emission);

@@ -42,7 +42,7 @@ impl Entries {
         }
     }
 
-    /// Bytes of rows, as [`super::rows::Rows::bytes`] counts them.
+    /// Bytes of rows, as [`crate::bake::rows::Rows::bytes`] counts them.
     pub(super) fn row_bytes(self, groups: usize, senders: usize, functions: usize) -> usize {
         let index = |table: usize| if table <= 1 << 16 { 2.0 } else { 4.0 };
         let near = self.near * (index(senders) + GROUP as f64);
@@ -50,7 +50,7 @@ impl Entries {
         ((near + basis) * groups as f64) as usize + groups * (2 * GROUP * 4 + 3 * 4)
     }
 
-    /// Bytes of a near field and a product, as [`super::low_rank::LowRank::bytes`]
+    /// Bytes of a near field and a product, as [`crate::bake::low_rank::LowRank::bytes`]
     /// counts them.
     pub(super) fn low_rank_bytes(
         self,
@@ -83,7 +83,7 @@ fn components_kept(rays: u32) -> f64 {
     1.0 - 0.4 * (64.0 / f64::from(rays)).at_most(1.0)
 }
 
-/// Bytes of the published table, as [`super::paper::PaperRows::bytes`] counts
+/// Bytes of the published table, as [`crate::bake::paper::PaperRows::bytes`] counts
 /// them, of so many coefficients a vertex.
 pub(super) fn paper_bytes(coefficients: f64, vertices: usize, functions: usize) -> usize {
     let entry = if functions <= 1 << 16 { 3.0 } else { 5.0 };

@@ -10,6 +10,7 @@ use crate::maths::spherical_harmonics::{Coefficients, HARMONICS};
 /// Square of the sine between what the components make of two lights, below which
 /// a row cannot answer both.
 const LEAST_ANGLE: f64 = 1e-6;
+
 /// Changes a row as little as possible so that it answers two lights as it should:
 /// the shortest change lies in the plane of what the components make of the two.
 pub(super) fn answering(row: &mut [f32], answers: &[Vec<f64>; 2], targets: [f64; 2]) {

@@ -14,12 +14,13 @@ use super::shared::Expected;
 /// session and has put us into a group of our own. Of a group that is orphaned
 /// the system takes no stop from a terminal either.
 ///
-/// In a container any of these numbers may be 0: of who lives outside. rustix
-/// takes it for impossible, so this asks by nix.
+/// In a container any of these numbers may be 0, where who bears it lives outside.
+/// rustix takes that for impossible, so this asks by nix.
 pub(super) fn can_be_continued() -> bool {
-    let session = getsid(None);
-    let parent = getsid(Some(getppid()));
-    session.is_ok_and(|session| parent == Ok(session) && session != getpgrp())
+    let parent = getppid();
+    // Of process 0 the system would answer with our own session.
+    let of_parent = getsid(Some(parent)).ok().filter(|_| parent.as_raw() != 0);
+    getsid(None).is_ok_and(|own| of_parent == Some(own) && own != getpgrp())
 }
 
 /// Stops the process group; comes back when it is continued. The others of the

@@ -2,8 +2,9 @@
 
 use glam::{DVec3, Vec3};
 
-use super::{Baked, at_most};
+use super::{Baked, at_least, at_most};
 use crate::bake::{RunSettings, Study, VertexFields};
+use crate::maths::order::Order;
 use crate::scene::sample_scenes::{cube_room, point_light, room_with_blocks};
 use crate::scene::{Bounces, Scene};
 
@@ -56,22 +57,23 @@ fn relative_jumps(name: &str, scene: &Scene, position: DVec3) -> [f64; 3] {
         ALBEDO,
         Bounces::Count(BOUNCES),
     );
-    let [mut across, mut inside] = jumps(&room, &irradiance);
-    assert!(
-        across.len() > 100,
-        "{name}: {} edges cross borders",
-        across.len()
-    );
-    inside.sort_by(f64::total_cmp);
-    across.sort_by(f64::total_cmp);
-    let percentile = |list: &[f64]| list[list.len() * 99 / 100];
-    let usual = percentile(&inside);
-    [
-        percentile(&across),
-        across[across.len() - 1],
-        inside[inside.len() - 1],
-    ]
-    .map(|jump| jump / usual)
+    let [across, inside] = jumps(&room, &irradiance);
+    let count = across.len();
+    assert!(count > 100, "{name}: {count} edges cross borders");
+    let usual = percentile_99(&inside);
+    [percentile_99(&across), largest(&across), largest(&inside)].map(|jump| jump / usual)
+}
+
+fn largest(jumps: &[f64]) -> f64 {
+    jumps
+        .iter()
+        .fold(0.0, |largest, jump| jump.at_least(largest))
+}
+
+fn percentile_99(jumps: &[f64]) -> f64 {
+    let mut jumps = jumps.to_vec();
+    jumps.sort_by(f64::total_cmp);
+    jumps[jumps.len() * 99 / 100]
 }
 
 /// An empty room with the light near a wall.
@@ -108,9 +110,10 @@ fn by_rays(room: &Baked, source: &[Vec3], albedo: f32) -> Vec<Vec3> {
     received.into_iter().map(Vec3::splat).collect()
 }
 
-/// Below a block beside the light the light itself jumps by 1.9 times what is
-/// usual (by 512 to 4,096 rays, with 512 to 1,024 functions and without any),
-/// and a border runs there. A border must add nothing to that.
+/// Below a block beside the light the light on this mesh itself jumps by 1.9 times
+/// what is usual in it (by 512 to 4,096 rays, with 512 to 1,024 functions and
+/// without any), and a border runs there. What is usual is there what the light
+/// has at the same edge, where that is more.
 #[test]
 fn a_border_adds_no_jump_to_those_of_the_light() {
     let scene = room_with_blocks(true, 0.1, 512);
@@ -119,23 +122,19 @@ fn a_border_adds_no_jump_to_those_of_the_light() {
     let irradiance = room.indirect(&lights, ALBEDO, Bounces::Count(BOUNCES));
     let source: Vec<Vec3> = room.direct(&lights).iter().map(|&e| e * ALBEDO).collect();
     let truth = by_rays(&room, &source, ALBEDO);
-    let pairs = irradiance.iter().zip(&truth);
-    let error: Vec<Vec3> = pairs.map(|(found, right)| *found - *right).collect();
-    let largest = |field: &[Vec3]| {
-        let [mut across, _] = jumps(&room, field);
-        across.sort_by(f64::total_cmp);
-        across[across.len() - 1]
-    };
-    let [_, mut inside] = jumps(&room, &irradiance);
-    inside.sort_by(f64::total_cmp);
-    let usual = inside[inside.len() * 99 / 100];
-    // Found 0.69, most of it noise of 512 and 1,024 rays.
-    at_most("jump that a border adds", largest(&error) / usual, JUMP);
-    // Found 1.05; 0.98 to 1.01 with other seeds of the truth.
-    let of_light = largest(&irradiance) / largest(&truth);
-    at_most(
-        "largest jump at a border over the light's",
-        of_light,
-        OF_LIGHT,
-    );
+    let [found, inside] = jumps(&room, &irradiance);
+    let [of_light, inside_light] = jumps(&room, &truth);
+    assert!(found.len() > 100, "{} edges cross borders", found.len());
+    // Found 1.8: with less, the other test's form has to hold here too.
+    let premise = largest(&of_light) / percentile_99(&inside_light);
+    at_least("largest jump of the light at a border", premise, JUMP);
+    let usual = percentile_99(&inside);
+    let ratios = found
+        .iter()
+        .zip(&of_light)
+        .map(|(jump, light)| jump / usual.at_least(*light));
+    let ratio = largest(&ratios.collect::<Vec<_>>());
+    at_most("jump at a border over what is usual there", ratio, JUMP);
+    let all = largest(&found) / largest(&of_light);
+    at_most("largest jump at a border over the light's", all, OF_LIGHT);
 }

@@ -57,12 +57,11 @@ impl Renderer {
     /// cache folder that has none folded yet goes there again with them; what is edited
     /// after that does not.
     pub(super) fn fold_anew(&mut self, run: &RunSettings) -> Result<(), BakeError> {
+        if !self.lacks_folding() {
+            return Ok(());
+        }
         let fixed_albedo = self.fixed_albedo();
-        let Some(baked) = self
-            .baked
-            .as_mut()
-            .filter(|it| it.fixed_albedo != fixed_albedo)
-        else {
+        let Some(baked) = self.baked.as_mut() else {
             return Ok(());
         };
         let (scene, surface) = (&self.scene, &self.surface);

@@ -127,12 +127,15 @@ impl Renderer {
             });
         }
         if settings.gathers() {
+            let parts = self.gathered_parts(settings);
+            if !parts.any() {
+                return Ok(found);
+            }
             let at_vertices = settings
                 .needs_bounces()
                 .then(|| stages.time("bounces", || self.lit_vertices(settings.bounces, run)));
-            let parts = settings.gathered_parts(!lights.skies.is_empty());
             let at_vertices = at_vertices.transpose()?;
-            found.gather = parts.any().then_some(GatherLight { parts, at_vertices });
+            found.gather = Some(GatherLight { parts, at_vertices });
             return Ok(found);
         }
         let mut outgoing = None;
