@@ -12,16 +12,14 @@
 use rayon::prelude::*;
 
 use super::compress::split_senders;
-use super::operator::{receiver_groups, vertices_of};
+use super::operator::vertices_of;
+use super::receivers::{Receivers, Truth};
 use super::test_lights::{Fields, LIGHTS, TestLights};
-use super::transfer::{self, GROUP, GroupTransfer, Sampling, sample_group, vertex_rays};
+use super::transfer::{self, GROUP, GroupTransfer, Sampling, sample_group};
 use super::{Bake, BakeSettings, RunSettings};
 use crate::bake::basis::Basis;
 use crate::simd::Level;
 use crate::surface::Surface;
-
-/// Seeds of the two halves of the truth.
-const TRUE_SEEDS: [u32; 2] = [0x51d_e001, 0x51d_e002];
 
 /// How much an audit looks at.
 #[derive(Debug, Clone, Copy)]
@@ -108,74 +106,6 @@ impl ErrorParts {
     }
 }
 
-/// Fields at the receivers of an audit.
-pub(crate) struct Receivers {
-    groups: Vec<(u32, u32)>,
-    /// Areas of the receivers, group by group.
-    areas: Vec<f64>,
-}
-
-impl Receivers {
-    /// Groups spread evenly over the slots.
-    pub(crate) fn spread(surface: &Surface, basis: &Basis, count: usize) -> Self {
-        Self::among(surface, basis, &receiver_groups(basis), count)
-    }
-
-    /// Groups spread evenly over some.
-    pub(super) fn among(
-        surface: &Surface,
-        basis: &Basis,
-        all: &[(u32, u32)],
-        count: usize,
-    ) -> Self {
-        let count = count.min(all.len());
-        let groups: Vec<(u32, u32)> = (0..count)
-            .map(|i| all[(2 * i + 1) * all.len() / (2 * count)])
-            .collect();
-        let areas = groups
-            .iter()
-            .flat_map(|&group| vertices_of(basis, group))
-            .map(|&v| f64::from(surface.vertices.open_area(v as usize)))
-            .collect();
-        Self { groups, areas }
-    }
-
-    /// The slots, group by group.
-    pub(crate) fn slots(&self) -> impl Iterator<Item = usize> {
-        let slots = |&(first, count): &(u32, u32)| first as usize..(first + count) as usize;
-        self.groups.iter().flat_map(slots)
-    }
-
-    /// The values of all slots at the receivers.
-    pub(crate) fn pick(&self, fields: &Fields) -> Fields {
-        self.slots().map(|slot| fields[slot]).collect()
-    }
-
-    /// Relative error of each light, and of its sum; `None` for a light that
-    /// does not arrive.
-    pub(crate) fn errors(&self, truth: &Fields, estimate: &Fields) -> [Option<[f64; 2]>; LIGHTS] {
-        std::array::from_fn(|light| {
-            let values = self.areas.iter().zip(truth).zip(estimate);
-            relative_error(values.map(|((area, right), found)| (*area, right[light], found[light])))
-        })
-    }
-}
-
-/// Error of a field over (area, right value, value found): root mean square
-/// relative to the right field's, and that of the sum; `None` without any light.
-pub(crate) fn relative_error(values: impl Iterator<Item = (f64, f32, f32)>) -> Option<[f64; 2]> {
-    let (mut squares, mut all, mut sum, mut total) = (0.0, 0.0, 0.0, 0.0);
-    for (area, right, found) in values {
-        let right = f64::from(right);
-        let difference = f64::from(found) - right;
-        squares += area * difference * difference;
-        all += area * right * right;
-        sum += area * difference;
-        total += area * right;
-    }
-    (all > 0.0 && total > 0.0).then(|| [(squares / all).sqrt(), sum / total])
-}
-
 impl LightErrors {
     /// All figures, for a file.
     pub(super) fn numbers(&self) -> [f64; 4] {
@@ -213,85 +143,6 @@ impl LightErrors {
             signed: found.iter().map(|e| e[1]).sum::<f64>() / count,
         }
     }
-}
-
-/// One bounce of the lights at the receivers by independent rays, twice.
-pub(crate) struct Truth {
-    halves: [Fields; 2],
-    mean: Fields,
-}
-
-impl Truth {
-    pub(crate) fn sample(
-        surface: &Surface,
-        basis: &Basis,
-        level: Level,
-        receivers: &Receivers,
-        rays: u32,
-        fields: &Fields,
-    ) -> Self {
-        let slots: Vec<usize> = receivers.slots().collect();
-        let halves = TRUE_SEEDS.map(|seed| {
-            let rows = slots.par_iter().with_min_len(4);
-            rows.map(|&slot| true_row(surface, basis, level, [seed, slot as u32], rays, fields))
-                .collect::<Fields>()
-        });
-        let pairs = halves[0].iter().zip(&halves[1]);
-        let mean = pairs
-            .map(|(a, b)| std::array::from_fn(|l| 0.5 * (a[l] + b[l])))
-            .collect();
-        Self { halves, mean }
-    }
-
-    /// Relative noise of the mean.
-    fn noise(&self, receivers: &Receivers) -> [Option<[f64; 2]>; LIGHTS] {
-        receivers.errors(&self.mean, &self.halves[0])
-    }
-
-    /// Errors of an estimate, less what is the truth's own noise.
-    pub(crate) fn errors(
-        &self,
-        receivers: &Receivers,
-        estimate: &Fields,
-    ) -> [Option<[f64; 2]>; LIGHTS] {
-        let noise = self.noise(receivers);
-        let mut errors = receivers.errors(&self.mean, estimate);
-        for (error, noise) in errors.iter_mut().zip(noise) {
-            if let (Some([error, _]), Some([noise, _])) = (error, noise) {
-                let squared = *error * *error - noise * noise;
-                *error = if squared > 0.0 { squared.sqrt() } else { 0.0 };
-            }
-        }
-        errors
-    }
-}
-
-/// What a vertex receives of every light, by rays of a seed.
-fn true_row(
-    surface: &Surface,
-    basis: &Basis,
-    level: Level,
-    [seed, slot]: [u32; 2],
-    rays: u32,
-    fields: &Fields,
-) -> [f32; LIGHTS] {
-    let vertex = basis.vertex_of_slot()[slot as usize];
-    let mut sums = [0.0_f32; LIGHTS];
-    let mut inside = 0;
-    for (_, (_, hit)) in vertex_rays(surface, level, [seed, vertex], rays) {
-        let Some(hit) = hit else { continue };
-        let Some(met) = surface.vertices.met(&hit) else {
-            inside += 1;
-            continue;
-        };
-        for (sender, weight) in met {
-            let values = &fields[basis.slot_of_vertex()[sender as usize] as usize];
-            for light in 0..LIGHTS {
-                sums[light] += weight * values[light];
-            }
-        }
-    }
-    sums.map(|sum| sum / (rays - inside).max(1) as f32)
 }
 
 /// One bounce of the lights by the stored operator, slots.
@@ -338,21 +189,22 @@ pub(crate) fn audit(
     let receivers = Receivers::spread(surface, bake.basis(), size.groups);
     let stored = |fields: &Fields| stored_bounce(bake, run.level, fields);
     let near_of = |first_slot| bake.operator().near_of(first_slot);
-    let job = (surface, bake.basis(), settings, run);
-    audit_at(job, &receivers, lights, size.rays, (stored, near_of))
+    let fields = &lights.brightness;
+    let basis = bake.basis();
+    let truth = Truth::sample(surface, basis, run.level, &receivers, size.rays, fields);
+    let job = (surface, basis, settings, run);
+    audit_at(job, (&receivers, &truth), lights, (stored, near_of))
 }
 
 /// Audits an operator, given as what it makes of fields and as the senders of the
 /// near field of a group by its first slot, at some receivers.
 pub(super) fn audit_at(
     (surface, basis, settings, run): (&Surface, &Basis, &BakeSettings, &RunSettings),
-    receivers: &Receivers,
+    (receivers, truth): (&Receivers, &Truth),
     lights: &TestLights,
-    rays: u32,
     (stored, near_of): (impl Fn(&Fields) -> Fields, impl Fn(u32) -> Vec<u32> + Sync),
 ) -> ErrorParts {
     let fields = &lights.brightness;
-    let truth = Truth::sample(surface, basis, run.level, receivers, rays, fields);
     let sampling = Sampling {
         surface,
         level: run.level,
@@ -361,7 +213,7 @@ pub(super) fn audit_at(
     };
     let kept = smooth(basis, run.level, fields);
     let sampled: Vec<[Vec<[f32; LIGHTS]>; 2]> = receivers
-        .groups
+        .groups()
         .par_iter()
         .map_init(
             || transfer::Scratch::new(basis.slot_count()),

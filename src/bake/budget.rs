@@ -6,11 +6,12 @@
 //! since more components stand out of less noise. A start that is better than
 //! asked gives rays back. Keys that the user has set stay as they are.
 
-use super::audit::{ErrorParts, Receivers, audit_at, in_threes};
+use super::audit::{ErrorParts, audit_at, in_threes};
 use super::basis::Basis;
 use super::low_rank::{Task, pilot_rows};
 use super::operator::receiver_groups;
 use super::places::Places;
+use super::receivers::{Receivers, Truth};
 use super::test_lights::TestLights;
 use super::{BakeError, BakeSettings, Importance, RunSettings, spectral_basis};
 use crate::surface::Surface;
@@ -20,8 +21,9 @@ pub(super) const SEED: u32 = 0xb0d_6e7;
 /// Partitions of a trial; receivers of each that are looked at, in groups.
 const PILOT_PARTS: usize = 16;
 const GROUPS: usize = 64;
-/// Rays of each half of the truth.
+/// Rays of each half of the truth, and of what the lights' strength is found by.
 const TRUE_RAYS: u32 = 4096;
+const STRENGTH_RAYS: u32 = 1024;
 /// Trials at most.
 const MOST_TRIALS: usize = 10;
 /// The trials aim at this share of what is asked: a whole bake under other
@@ -118,6 +120,7 @@ struct Trial<'a> {
     lights: TestLights,
     is_pilot: Vec<bool>,
     receivers: Receivers,
+    truth: Truth,
 }
 
 impl<'a> Trial<'a> {
@@ -146,7 +149,15 @@ impl<'a> Trial<'a> {
             .into_iter()
             .filter(of_pilots)
             .collect();
-        let receivers = Receivers::among(surface, &basis, &groups, GROUPS);
+        let everywhere = Receivers::spread(surface, &basis, GROUPS);
+        let truth_at = |receivers: &Receivers, rays| {
+            let fields = &lights.brightness;
+            Truth::sample(surface, &basis, run.level, receivers, rays, fields)
+        };
+        let strength = truth_at(&everywhere, STRENGTH_RAYS);
+        let receivers =
+            Receivers::among(surface, &basis, &groups, GROUPS).relative_to(&everywhere, &strength);
+        let truth = truth_at(&receivers, TRUE_RAYS);
         Ok(Self {
             surface,
             places,
@@ -157,6 +168,7 @@ impl<'a> Trial<'a> {
             lights,
             is_pilot,
             receivers,
+            truth,
         })
     }
 
@@ -188,9 +200,8 @@ impl<'a> Trial<'a> {
         let job = (surface, basis, settings, run);
         Ok(audit_at(
             job,
-            &self.receivers,
+            (&self.receivers, &self.truth),
             &self.lights,
-            TRUE_RAYS,
             (stored, |first_slot| operator.near_of(first_slot)),
         ))
     }

@@ -38,6 +38,7 @@ mod pilot;
 mod places;
 mod prior;
 mod projection;
+mod receivers;
 #[cfg(test)]
 mod response_tests;
 mod rows;
@@ -76,7 +77,6 @@ use sky::Sky;
 pub(crate) use slices::Slices;
 use test_lights::TestLights;
 
-pub(crate) use audit::relative_error;
 pub use audit::{ErrorParts, LightErrors};
 pub(crate) use basis::Basis;
 pub(crate) use cache::{AlbedoOf, Baked, CacheOutcome, load_or_bake, load_stored, store_folded};
@@ -84,6 +84,7 @@ pub use forecast::BakeForecast;
 pub(crate) use forecast::{forecast, forecast_of_folding};
 pub(crate) use key::BakeKey;
 pub(crate) use pilot::escaped_share_of_fronts;
+pub(crate) use receivers::relative_error;
 pub use run::{Progress, RunSettings, Silent, ThreadPool, ThreadPoolError, thread_pool};
 pub(crate) use scheme::Operator;
 pub use scheme::{Partitioner, Scheme};

@@ -6,13 +6,12 @@ use std::time::Instant;
 
 use super::input::Input;
 use super::message::Message;
-use super::prepare::Preparing;
+use super::prepare::{Preparer, Preparing};
 use super::program::{Effect, Program, SceneFile, load};
 use super::screen::{Screen, ScreenSettings};
 use super::watch::Watch;
 use super::worker::{Errand, Worker};
 use super::{PreviewError, PreviewSettings};
-use crate::relight::BakeAtHand;
 use crate::scene::Override;
 
 /// What a session has besides the program.
@@ -23,8 +22,7 @@ struct Session<'a> {
     worker: Worker,
     watch: Option<Watch>,
     preparing: Option<Preparing>,
-    /// The last bake.
-    at_hand: Option<BakeAtHand>,
+    preparer: Preparer,
 }
 
 /// How a session ended.
@@ -79,7 +77,7 @@ pub fn run_in_terminal(settings: &PreviewSettings) -> Result<Ended, PreviewError
         worker,
         watch: None,
         preparing: None,
-        at_hand: None,
+        preparer: Preparer::new(settings.preparation.clone()),
     };
     let exit_code = session.run(&mut program, effects, &messages);
     // The terminal is given back before anything that may take a while.
@@ -138,16 +136,15 @@ impl Session<'_> {
                 Effect::Show(number, wish) => self.worker.show(number, *wish),
                 Effect::Send(errand) => {
                     if let Errand::Adopt(renderer) = &errand {
-                        self.at_hand = renderer.bake_at_hand().or(self.at_hand.take());
+                        self.preparer.keep_bake_of(renderer);
                     }
                     self.worker.send(errand);
                 }
                 Effect::Prepare(wanted, scene) => {
-                    let preparation = self.settings.preparation.clone();
+                    let preparer = self.preparer.clone();
                     let queue = self.queue.clone();
-                    let scene = (*scene, self.at_hand.clone());
                     // The one before is stopped when it is dropped.
-                    self.preparing = Some(Preparing::start(wanted, scene, preparation, queue));
+                    self.preparing = Some(Preparing::start(wanted, *scene, preparer, queue));
                 }
                 Effect::Load(number) => self.load(number, program.overrides().to_vec()),
                 Effect::Watch(watched) => match &self.watch {

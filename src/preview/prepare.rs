@@ -31,15 +31,35 @@ pub struct Preparation {
     pub level: Level,
 }
 
-impl Preparation {
+/// A preparation with the last bake of the session: another albedo costs a folding
+/// of it, at most.
+#[derive(Clone)]
+pub(super) struct Preparer {
+    preparation: Preparation,
+    at_hand: Option<BakeAtHand>,
+}
+
+impl Preparer {
+    pub(super) fn new(preparation: Preparation) -> Self {
+        Self {
+            preparation,
+            at_hand: None,
+        }
+    }
+
     /// A renderer of a scene, with the bake at hand if it is the scene's.
-    pub(super) fn renderer(&self, scene: Scene, at_hand: Option<&BakeAtHand>) -> Renderer {
-        let folder = self.cache_folder.as_deref();
-        let mut renderer = Renderer::with_scheme(scene, folder, self.scheme);
-        if let Some(at_hand) = at_hand {
+    pub(super) fn renderer(&self, scene: Scene) -> Renderer {
+        let folder = self.preparation.cache_folder.as_deref();
+        let mut renderer = Renderer::with_scheme(scene, folder, self.preparation.scheme);
+        if let Some(at_hand) = &self.at_hand {
             renderer.take_bake(at_hand);
         }
         renderer
+    }
+
+    /// Keeps the bake of a renderer at hand, if it has one.
+    pub(super) fn keep_bake_of(&mut self, renderer: &Renderer) {
+        self.at_hand = renderer.bake_at_hand().or(self.at_hand.take());
     }
 }
 
@@ -63,16 +83,15 @@ impl Preparing {
     /// Begins in a thread of its own.
     pub(crate) fn start(
         wanted: Wanted,
-        (scene, at_hand): (Scene, Option<BakeAtHand>),
-        preparation: Preparation,
+        scene: Scene,
+        preparer: Preparer,
         queue: Sender<Message>,
     ) -> Self {
         let stop = Arc::new(AtomicBool::new(false));
         let job = Job {
             progress: BakeProgress::new(wanted.number, queue.clone(), stop.clone()),
             wanted,
-            at_hand,
-            preparation,
+            preparer,
             queue: queue.clone(),
         };
         let thread = std::thread::Builder::new().name("prepare".to_owned());
@@ -106,16 +125,14 @@ impl Drop for Preparing {
 
 struct Job {
     wanted: Wanted,
-    /// The last bake of the session: another albedo costs a folding of it, at most.
-    at_hand: Option<BakeAtHand>,
-    preparation: Preparation,
+    preparer: Preparer,
     queue: Sender<Message>,
     progress: BakeProgress,
 }
 
 impl Job {
     fn run(self, scene: Scene) {
-        match thread_pool(self.preparation.threads) {
+        match thread_pool(self.preparer.preparation.threads) {
             Ok(pool) => pool.install(|| self.prepare(scene)),
             Err(error) => self.fail(error.to_string()),
         }
@@ -123,7 +140,7 @@ impl Job {
 
     /// Sends a renderer with its bake, or one without while the bake is made.
     fn prepare(&self, scene: Scene) {
-        let mut first = self.renderer(scene.clone());
+        let mut first = self.preparer.renderer(scene.clone());
         if self.stopped() {
             return;
         }
@@ -138,11 +155,11 @@ impl Job {
             true => first,
             false => {
                 self.send(first);
-                self.renderer(scene)
+                self.preparer.renderer(scene)
             }
         };
         let run = RunSettings {
-            level: self.preparation.level,
+            level: self.preparer.preparation.level,
             progress: &self.progress,
         };
         match baked.bake(&run) {
@@ -150,10 +167,6 @@ impl Job {
             Ok(()) => self.send(baked),
             Err(error) => self.fail(error.to_string()),
         }
-    }
-
-    fn renderer(&self, scene: Scene) -> Renderer {
-        self.preparation.renderer(scene, self.at_hand.as_ref())
     }
 
     fn stopped(&self) -> bool {
@@ -242,19 +255,22 @@ mod tests {
     use crate::scene::sample_scenes::{point_light, room_with_blocks};
 
     /// Prepares a scene with its bake, and the stages of doing so.
-    fn prepared(scene: &Scene, at_hand: Option<BakeAtHand>) -> (Renderer, Vec<&'static str>) {
-        let preparation = Preparation {
+    fn prepared(scene: &Scene, last: Option<&Renderer>) -> (Renderer, Vec<&'static str>) {
+        let mut preparer = Preparer::new(Preparation {
             cache_folder: None,
             scheme: Scheme::Relume,
             threads: 1,
             level: Level::detect(),
-        };
+        });
+        if let Some(last) = last {
+            preparer.keep_bake_of(last);
+        }
         let wanted = Wanted {
             number: 1,
             bake: true,
         };
         let (queue, messages) = channel();
-        let _preparing = Preparing::start(wanted, (scene.clone(), at_hand), preparation, queue);
+        let _preparing = Preparing::start(wanted, scene.clone(), preparer, queue);
         let mut stages = Vec::new();
         loop {
             match messages.recv().expect("it ends with a renderer") {
@@ -275,7 +291,7 @@ mod tests {
         let (first, stages) = prepared(&scene, None);
         assert!(stages.contains(&"transfer") && stages.contains(&"folding bounces"));
         scene.materials[0].albedo = Vec3::new(0.2, 0.3, 0.4);
-        let (mut edited, mut stages) = prepared(&scene, first.bake_at_hand());
+        let (mut edited, mut stages) = prepared(&scene, Some(&first));
         stages.dedup();
         assert_eq!(
             stages,
@@ -288,7 +304,7 @@ mod tests {
         assert!(found == fresh.unwrap().image, "it is another picture");
         // Of another surface it is no bake.
         scene.bake.max_edge = Some(0.4);
-        let (_, stages) = prepared(&scene, edited.bake_at_hand());
+        let (_, stages) = prepared(&scene, Some(&edited));
         assert!(stages.contains(&"transfer"), "{stages:?}");
     }
 }

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use super::message::Message;
 use super::painter::{Drawn, Painter, Sharpness, Wish};
-use super::prepare::Wanted;
+use super::prepare::{Preparer, Wanted};
 use super::program::{Effect, Program, SceneFile, load};
 use super::script::{ScriptEvent, Scripted, parse};
 use super::shot::write_shot;
@@ -16,7 +16,7 @@ use super::write_frame::write_frame;
 use super::{PreviewError, PreviewSettings};
 use crate::bake::RunSettings;
 use crate::output::terminal::{CellEncoder, Colours};
-use crate::relight::{BakeAtHand, FrameSettings};
+use crate::relight::FrameSettings;
 use crate::scene::Scene;
 
 /// Time between two frames, for what a burst of keys is.
@@ -77,7 +77,7 @@ pub fn run_script(
         run,
         program,
         painter: None,
-        at_hand: None,
+        preparer: Preparer::new(settings.preparation.clone()),
         wish: None,
         encoder: CellEncoder::new(Colours::True),
         frame: 0,
@@ -96,8 +96,7 @@ struct Runner<'a> {
     run: &'a RunSettings<'a>,
     program: Program,
     painter: Option<Painter>,
-    /// The last bake.
-    at_hand: Option<BakeAtHand>,
+    preparer: Preparer,
     wish: Option<(u64, Wish)>,
     encoder: CellEncoder,
     frame: u64,
@@ -227,9 +226,8 @@ impl Runner<'_> {
     }
 
     fn prepare(&mut self, wanted: Wanted, scene: Scene) -> Result<(), PreviewError> {
-        let preparation = &self.settings.preparation;
         let settings = FrameSettings::of_scene(&scene);
-        let mut renderer = preparation.renderer(scene, self.at_hand.as_ref());
+        let mut renderer = self.preparer.renderer(scene);
         if wanted.bake || renderer.needs_bake(&settings) {
             renderer.bake(self.run)?;
         }
@@ -242,7 +240,7 @@ impl Runner<'_> {
     fn send(&mut self, errand: Errand) -> Result<(), PreviewError> {
         match errand {
             Errand::Adopt(renderer) => {
-                self.at_hand = renderer.bake_at_hand().or(self.at_hand.take());
+                self.preparer.keep_bake_of(&renderer);
                 self.painter = Some(Painter::new(*renderer));
             }
             Errand::Write { wish, size, path } => {

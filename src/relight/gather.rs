@@ -24,7 +24,7 @@ use rayon::prelude::*;
 
 pub(super) use arriving::{Arriving, Rays, Wanted};
 use points::{MOST_RAYS, PixelPoints};
-use smooth::smoothed;
+use smooth::{Moments, smoothed};
 
 use super::frame::GatheredParts;
 use super::raster::Fragment;
@@ -60,6 +60,9 @@ const NEAR: f32 = 1.0;
 /// where nothing is; that of interpolated light at pixels is 0.609 %.
 const UNIFORM_WITHIN: f32 = 0.1;
 
+/// Cosine of the angle from which on a normal leans.
+const LEANS_BELOW: f32 = 0.9999;
+
 const _: () = assert!(RAYS <= MOST_RAYS && RAYS.is_multiple_of(SAMPLES));
 
 /// What rays read.
@@ -80,6 +83,9 @@ pub(crate) struct LitVertices {
     without_lights: Vec<Vec3>,
     /// Per triangle, whether E0 differs between its corners; front and back.
     uneven: Vec<[bool; 2]>,
+    /// Per triangle, whether its shading normals lean, so that a ray may meet it from
+    /// their other side.
+    leaning: Vec<bool>,
     /// Length of an edge of each triangle's size, placed units.
     edges: Vec<f32>,
 }
@@ -87,12 +93,20 @@ pub(crate) struct LitVertices {
 /// What rays have brought to a site: irradiance, W/m2, and radiance by a lobe.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(super) struct Gathered {
-    pub(super) indirect: Vec3,
+    /// Bounced light from surfaces that are near the site, as its pixel goes, and from
+    /// the others.
+    near: Vec3,
+    far: Vec3,
     pub(super) sky: Vec3,
     /// Radiance by the lobe of bounced light and the sky, W/(m2 sr).
     pub(super) glossy: Vec3,
     /// 1 / the harmonic mean of the rays' lengths, in placed units.
     nearness: f32,
+    /// The same with the rays of `far` alone; the others count as infinitely long.
+    nearness_of_far: f32,
+    /// Of the bounced light that comes from afar, and of the sky's.
+    of_far: Moments,
+    of_sky: Moments,
 }
 
 impl LitVertices {
@@ -107,6 +121,9 @@ impl LitVertices {
             without_lights: (0..bounced.len()).map(|v| bounced[v] + of_sky(v)).collect(),
             uneven: triangles
                 .map(|t| [true, false].map(|front| is_uneven(surface, direct, (t, front))))
+                .collect(),
+            leaning: (0..surface.mesh.triangles.len() as u32)
+                .map(|t| leans(surface, t))
                 .collect(),
             // Of an equilateral triangle of the same area.
             edges: surface
@@ -123,6 +140,15 @@ impl LitVertices {
         let triangle = hit.triangle as usize;
         self.uneven[triangle][usize::from(!front)] || hit.t < NEAR * self.edges[triangle]
     }
+}
+
+/// Whether a corner's shading normal is another than the triangle's own.
+fn leans(surface: &Surface, triangle: u32) -> bool {
+    let corners = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    corners.into_iter().any(|corner| {
+        let point = surface.point(triangle, corner, true);
+        point.normal.dot(point.flat_normal) < LEANS_BELOW
+    })
 }
 
 fn is_uneven(surface: &Surface, direct: &[Vec3], (triangle, front): (u32, bool)) -> bool {
@@ -248,23 +274,38 @@ fn add(
             }
         })
         .collect();
+    let reach = smooth::reach(rays.view, from);
     rays.arriving(from, &wanted, &mut |it: Arriving| {
-        sum.indirect += it.bounced;
+        let far = smooth::far_share(it.nearness * reach);
+        sum.near += it.bounced * (1.0 - far);
+        sum.far += it.bounced * far;
         sum.sky += it.sky;
         sum.nearness += it.nearness;
+        sum.nearness_of_far += it.nearness * far;
+        sum.of_far.add(it.bounced, far);
+        sum.of_sky.add(it.sky, far);
     });
 }
 
 impl Gathered {
+    /// Bounced irradiance, W/m2.
+    pub(super) fn indirect(&self) -> Vec3 {
+        self.near + self.far
+    }
+
     /// From the sum of the radiance of some cosine-distributed rays, and that of as
     /// many of a lobe.
     fn mean(self, rays: u32) -> Self {
         let share = 1.0 / rays.max(1) as f32;
         Self {
-            indirect: self.indirect * (std::f32::consts::PI * share),
+            near: self.near * (std::f32::consts::PI * share),
+            far: self.far * (std::f32::consts::PI * share),
             sky: self.sky * (std::f32::consts::PI * share),
             glossy: self.glossy * share,
             nearness: self.nearness * share,
+            nearness_of_far: self.nearness_of_far * share,
+            of_far: self.of_far.times(share),
+            of_sky: self.of_sky.times(share),
         }
     }
 }

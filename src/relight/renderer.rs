@@ -258,8 +258,9 @@ impl Renderer {
             });
             folded.or_else(|| Some(Baked::of(stored(None).ok()??, None)))
         });
-        if self.baked.is_some() {
+        if let Some(baked) = &self.baked {
             self.warnings.extend(damaged);
+            self.warnings.extend(baked.bake.stats().shortfall());
         }
     }
 

@@ -276,7 +276,7 @@ impl Shading<'_> {
         let [direct, reflected] = self.direct(site);
         let gathered = self.gathered.get(site);
         let [indirect, sky] = match gathered {
-            Some(gathered) => [gathered.indirect, gathered.sky],
+            Some(gathered) => [gathered.indirect(), gathered.sky],
             None => [view.indirect, view.sky].map(|light| self.interpolated(fragment, light)),
         };
         let lobe = view.lobe(fragment, point);

@@ -9,9 +9,11 @@ use super::enclosures::furnace_radiance;
 use super::{at_least, at_most, largest};
 use crate::bake::{Progress, RunSettings, thread_pool};
 use crate::frame::{Image, compare};
+use crate::reference::{GlossyBounces, ReferencePart, ReferenceSettings, trace};
 use crate::relight::{Component, Effort, FrameSettings, Quality, RenderError, Renderer};
 use crate::scene::sample_scenes::{
     Facing, SampleMesh, constant_sky, cube_room, hollow_sphere, point_light, room_with_blocks,
+    scene_of_files,
 };
 use crate::scene::{Bounces, Scene};
 use crate::simd::Level;
@@ -29,6 +31,8 @@ const SPHERE_WORST: f64 = 0.05;
 const LIKE_STANDARD: f64 = 0.03;
 /// The same, mean of the picture.
 const LIKE_STANDARD_MEAN: f64 = 0.01;
+/// Mean of a picture against 512 paths a pixel, whose own noise is some 0.5 %.
+const LEANING: f64 = 0.02;
 /// Largest |direct + indirect - global| of a channel, W/(m2 sr).
 const SUM: f64 = 1e-5;
 
@@ -341,4 +345,61 @@ fn a_gather_can_be_stopped() {
         again.unwrap().image == whole,
         "what was stopped left a trace"
     );
+}
+
+/// A ceiling and a wall that share one smooth normal where they meet, and a lamp that
+/// lights the ceiling alone, far from the wall.
+const CORNER: &str = "v -2 2.6 -1.6
+v 2 2.6 -1.6
+v 2 2.6 2.2
+v -2 2.6 2.2
+v -2 0 -1.6
+v 2 0 -1.6
+f 1 2 3 4
+f 5 6 2 1
+";
+const LAMP_BELOW_IT: &str = "mesh = \"corner.obj\"
+normals = \"smooth\"
+[camera]
+position = [0, 1.5, 2.2]
+target = [0, 2, -1.6]
+vfov = 28
+size = [32, 24]
+[[light]]
+kind = \"point\"
+position = [-0.5, 2.3, 1.4]
+intensity = [6, 6, 6]
+[render]
+bounces = 1
+[bake]
+max_edge = 0.25
+rays = 64
+";
+
+/// Rays along the ceiling meet it from the other side of its leaning normals, where the
+/// lamp is not. Vertices know one side only: with their light alone the wall is too
+/// bright by a tenth.
+#[test]
+fn a_light_on_the_other_side_of_a_shading_normal_gives_nothing() {
+    let files = [("corner.toml", LAMP_BELOW_IT), ("corner.obj", CORNER)];
+    let scene = scene_of_files(&files.map(|(name, text)| (name, text.as_bytes())));
+    let paths = ReferenceSettings {
+        camera: scene.camera,
+        bounces: scene.render.bounces,
+        samples: 512,
+        seed: 7,
+        part: ReferencePart::Indirect,
+        glossy: GlossyBounces::All,
+    };
+    let paths = trace(&scene, &paths, &RunSettings::silent()).unwrap().image;
+    let [gather] = gathered(&scene, [Component::Indirect]);
+    let bias = compare(&paths, &gather).unwrap().bias;
+    at_most("gather, leaning normals", bias.abs(), LEANING);
+    let standard = FrameSettings {
+        component: Component::Indirect,
+        ..FrameSettings::of_scene(&scene)
+    };
+    let standard = Renderer::new(scene, None).frame(&standard, &RunSettings::silent());
+    let bias = compare(&paths, &standard.unwrap().image).unwrap().bias;
+    at_least("vertices, leaning normals", bias, 0.05);
 }

@@ -40,7 +40,7 @@ pub(in crate::relight) struct Arriving {
 
 /// What rays bring to the points of a view.
 pub(in crate::relight) struct Rays<'a> {
-    view: &'a View<'a>,
+    pub(super) view: &'a View<'a>,
     pub(super) light: &'a GatherLight,
     /// Rays sent so far.
     pub(super) sent: u64,
@@ -117,14 +117,22 @@ impl<'a> Rays<'a> {
                 sum + values[vertex as usize] * weight
             })
         };
-        let irradiance = if at_vertices.is_coarse(hit, front) {
+        let is_coarse = at_vertices.is_coarse(hit, front);
+        let seen = (is_coarse || at_vertices.leaning[hit.triangle as usize]).then(|| {
             let mut point = surface.point(hit.triangle, hit.barycentrics, front);
-            if point.normal.dot(wanted.direction) > 0.0 {
+            let is_behind = point.normal.dot(wanted.direction) > 0.0;
+            if is_behind {
                 point.normal = -point.normal;
             }
-            interpolated(&at_vertices.without_lights) + self.direct(&point, wanted)
-        } else {
-            interpolated(&at_vertices.irradiance)
+            (point, is_behind)
+        });
+        let irradiance = match seen {
+            // A light on the other side of the shading normal gives nothing, which
+            // vertices cannot know.
+            Some((point, is_behind)) if is_coarse || is_behind => {
+                interpolated(&at_vertices.without_lights) + self.direct(&point, wanted)
+            }
+            _ => interpolated(&at_vertices.irradiance),
         };
         let albedo = self.albedo(hit, hit.t * wanted.spread_rad);
         albedo * irradiance * std::f32::consts::FRAC_1_PI

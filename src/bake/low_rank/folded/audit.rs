@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::{FoldTask, Folded};
-use crate::bake::audit::relative_error;
+use crate::bake::receivers::relative_error;
 use crate::bake::test_lights::{LIGHTS, TestLights};
 use crate::bake::{BakeError, LightErrors, STATED_SEED};
 use crate::maths::rgb_fields::product;
