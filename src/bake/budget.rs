@@ -2,9 +2,10 @@
 //!
 //! Trial bakes of some partitions say how wrong a whole one would be, under
 //! lights of a seed of their own. What is mostly to blame grows: functions where
-//! the basis cannot follow the light, otherwise rays, and coefficients with them,
-//! since more components stand out of less noise. A start that is better than
-//! asked gives rays back. Keys that the user has set stay as they are.
+//! the basis cannot follow the light, coefficients where more is left out than noise,
+//! otherwise rays, and coefficients with them, since more components stand out of less
+//! noise. A start that is better than asked gives rays back. Keys that the user has
+//! set stay as they are.
 
 use super::audit::{ErrorParts, audit_at, in_threes};
 use super::basis::Basis;
@@ -31,6 +32,10 @@ const MOST_TRIALS: usize = 10;
 const AIM: f64 = 0.85;
 /// The basis is to blame from this share of the whole error on.
 const OF_BASIS: f64 = 0.7;
+/// What is left out is to blame from so many times the rays' noise on: it holds the
+/// noise too, most of which is better left out. By default rays and coefficients
+/// `window` has 1.0 and the statues 2.8.
+const OF_COEFFICIENTS: f64 = 1.5;
 /// Bounds of what is chosen.
 const RAYS: std::ops::RangeInclusive<u32> = 128..=16_384;
 const MOST_COEFFICIENTS: u32 = 256;
@@ -96,15 +101,21 @@ fn grown(settings: &BakeSettings, found: &ErrorParts, vertices: usize) -> Option
     let can_rays = free.rays && settings.rays < *RAYS.end();
     let can_coefficients = free.coefficients && settings.coefficients < MOST_COEFFICIENTS;
     let of_basis = found.basis.mean > OF_BASIS * found.total.mean;
-    if can_functions && (of_basis || !can_rays) {
+    let of_coefficients = found.compression.mean > OF_COEFFICIENTS * found.noise.mean;
+    let mut coefficients = settings.coefficients * 5 / 4;
+    if can_functions && of_basis {
         next.functions = Some((functions * 2).min(most_functions));
+    } else if can_coefficients && of_coefficients {
+        coefficients = settings.coefficients * 3 / 2;
     } else if can_rays {
         next.rays = (settings.rays * 2).min(*RAYS.end());
+    } else if can_functions {
+        next.functions = Some((functions * 2).min(most_functions));
     } else if !can_coefficients {
         return None;
     }
     if can_coefficients {
-        next.coefficients = (settings.coefficients * 5 / 4).min(MOST_COEFFICIENTS);
+        next.coefficients = coefficients.min(MOST_COEFFICIENTS);
     }
     Some(next)
 }
@@ -246,6 +257,14 @@ mod tests {
         let next = grown(&settings, &noise, 10_000).unwrap();
         assert_eq!((next.functions, next.rays), (Some(100), 1024));
         assert!(next.coefficients > settings.coefficients);
+        let left_out = ErrorParts {
+            noise: of_mean(0.03),
+            compression: of_mean(0.09),
+            ..noise
+        };
+        let next = grown(&settings, &left_out, 10_000).unwrap();
+        assert_eq!((next.functions, next.rays), (Some(100), 512));
+        assert_eq!(next.coefficients, settings.coefficients * 3 / 2);
         settings.free.functions = false;
         let next = grown(&settings, &basis, 10_000).unwrap();
         assert_eq!((next.functions, next.rays), (Some(100), 1024));
