@@ -102,15 +102,14 @@ fn grown(settings: &BakeSettings, found: &ErrorParts, vertices: usize) -> Option
     let can_coefficients = free.coefficients && settings.coefficients < MOST_COEFFICIENTS;
     let of_basis = found.basis.mean > OF_BASIS * found.total.mean;
     let of_coefficients = found.compression.mean > OF_COEFFICIENTS * found.noise.mean;
+    let more_coefficients = can_coefficients && of_coefficients;
     let mut coefficients = settings.coefficients * 5 / 4;
-    if can_functions && of_basis {
+    if can_functions && (of_basis || !(can_rays || more_coefficients)) {
         next.functions = Some((functions * 2).min(most_functions));
-    } else if can_coefficients && of_coefficients {
+    } else if more_coefficients {
         coefficients = settings.coefficients * 3 / 2;
     } else if can_rays {
         next.rays = (settings.rays * 2).min(*RAYS.end());
-    } else if can_functions {
-        next.functions = Some((functions * 2).min(most_functions));
     } else if !can_coefficients {
         return None;
     }
@@ -265,7 +264,10 @@ mod tests {
         let next = grown(&settings, &left_out, 10_000).unwrap();
         assert_eq!((next.functions, next.rays), (Some(100), 512));
         assert_eq!(next.coefficients, settings.coefficients * 3 / 2);
-        settings.free.functions = false;
+        settings.free.rays = false;
+        let next = grown(&settings, &noise, 10_000).unwrap();
+        assert_eq!((next.functions, next.rays), (Some(200), 512));
+        (settings.free.functions, settings.free.rays) = (false, true);
         let next = grown(&settings, &basis, 10_000).unwrap();
         assert_eq!((next.functions, next.rays), (Some(100), 1024));
         settings.free = FreeKeys {

@@ -245,15 +245,16 @@ fn true_row(
 mod tests {
     use super::*;
 
-    /// Two receivers, the second of three times the area, and light 0 alone there.
-    fn receivers() -> Receivers {
+    /// Two receivers of these areas.
+    fn receivers(areas: [f64; 2]) -> Receivers {
         Receivers {
             groups: Vec::new(),
-            areas: vec![1.0, 3.0],
+            areas: areas.to_vec(),
             strengths: None,
         }
     }
 
+    /// Values of light 0 at them; the other lights are dark.
     fn field(values: [f32; 2]) -> Fields {
         let of = |value| {
             let mut lights = [0.0; LIGHTS];
@@ -266,24 +267,26 @@ mod tests {
     #[test]
     fn errors_are_relative_to_what_arrives_in_the_scene() {
         let (truth, estimate) = (field([1.0, 1.0]), field([1.1, 1.1]));
-        let near = |found: Option<[f64; 2]>, expected: f64| {
+        let near = |found: Option<[f64; 2]>, expected: [f64; 2]| {
             let [error, mean] = found.expect("light arrives");
-            assert!((error - expected).abs() < 1e-6 && (mean - expected).abs() < 1e-6);
+            assert!((error - expected[0]).abs() < 1e-6, "{error}");
+            assert!((mean - expected[1]).abs() < 1e-6, "{mean}");
         };
-        near(receivers().errors(&truth, &estimate)[0], 0.1);
+        let few = || receivers([1.0, 3.0]);
+        near(few().errors(&truth, &estimate)[0], [0.1, 0.1]);
+        // Ten times the area, mean 4 and mean square 28.
+        let others = receivers([30.0, 10.0]);
         let everywhere = Truth {
             halves: [Vec::new(), Vec::new()],
-            mean: field([5.0, 5.0]),
+            mean: field([2.0, 10.0]),
         };
-        let judged = receivers().relative_to(&receivers(), &everywhere);
-        near(judged.errors(&truth, &estimate)[0], 0.02);
+        let relative = [0.1 / 28.0_f64.sqrt(), 0.1 / 4.0];
+        let judged = few().relative_to(&others, &everywhere);
+        near(judged.errors(&truth, &estimate)[0], relative);
         assert_eq!(judged.errors(&truth, &estimate)[1], None, "a dark light");
         // Nothing arrives at the receivers, but in the scene.
         let in_the_dark = judged.errors(&field([0.0; 2]), &field([0.1; 2]));
-        near(in_the_dark[0], 0.02);
-        assert_eq!(
-            receivers().errors(&field([0.0; 2]), &field([0.1; 2]))[0],
-            None
-        );
+        near(in_the_dark[0], relative);
+        assert_eq!(few().errors(&field([0.0; 2]), &field([0.1; 2]))[0], None);
     }
 }

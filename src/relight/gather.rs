@@ -4,12 +4,12 @@
 //! over edges. Seen over a gap that is no longer to be noticed, so a pixel sends rays
 //! and reads the vertices where these arrive: with N bounces, the radiosity
 //! rho (E0 + E^(N-1)), since the ray itself is the last bounce. Where a ray arrives so
-//! close that the mesh shows, or at the edge of a shadow, E0 is asked for there by a
-//! shadow ray.
+//! close that the mesh shows, at the edge of a shadow, or from the other side of a
+//! shading normal, E0 is asked for there by a shadow ray.
 //!
 //! A pixel's rays are cosine-distributed, so its irradiance is pi x the mean radiance
-//! that they bring; where all that sends light is far, it is the mean over some pixels
-//! around (`smooth`) (Reichert, "A Two-Pass Radiosity Method Driven by Lights and Viewer
+//! that they bring; where what sends light is far, it is fitted to some pixels around
+//! (`smooth`) (Reichert, "A Two-Pass Radiosity Method Driven by Lights and Viewer
 //! Position", 1992; Jensen, "Realistic Image Synthesis Using Photon Mapping", 2001).
 
 mod arriving;
@@ -60,7 +60,8 @@ const NEAR: f32 = 1.0;
 /// where nothing is; that of interpolated light at pixels is 0.609 %.
 const UNIFORM_WITHIN: f32 = 0.1;
 
-/// Cosine of the angle from which on a normal leans.
+/// Cosine of the angle from which on a normal leans, 0.8 degrees: walls with normals of
+/// their own never do, to rounding. Rays within the angle of the surface are hardly any.
 const LEANS_BELOW: f32 = 0.9999;
 
 const _: () = assert!(RAYS <= MOST_RAYS && RAYS.is_multiple_of(SAMPLES));
@@ -102,7 +103,7 @@ pub(super) struct Gathered {
     pub(super) glossy: Vec3,
     /// 1 / the harmonic mean of the rays' lengths, in placed units.
     nearness: f32,
-    /// The same with the rays of `far` alone; the others count as infinitely long.
+    /// The same, no ray shorter than counts as far.
     nearness_of_far: f32,
     /// Of the bounced light that comes from afar, and of the sky's.
     of_far: Moments,
@@ -281,7 +282,7 @@ fn add(
         sum.far += it.bounced * far;
         sum.sky += it.sky;
         sum.nearness += it.nearness;
-        sum.nearness_of_far += it.nearness * far;
+        sum.nearness_of_far += it.nearness * far + (1.0 - far) / reach;
         sum.of_far.add(it.bounced, far);
         sum.of_sky.add(it.sky, far);
     });

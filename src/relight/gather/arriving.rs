@@ -117,22 +117,21 @@ impl<'a> Rays<'a> {
                 sum + values[vertex as usize] * weight
             })
         };
-        let is_coarse = at_vertices.is_coarse(hit, front);
-        let seen = (is_coarse || at_vertices.leaning[hit.triangle as usize]).then(|| {
-            let mut point = surface.point(hit.triangle, hit.barycentrics, front);
-            let is_behind = point.normal.dot(wanted.direction) > 0.0;
-            if is_behind {
-                point.normal = -point.normal;
+        let mut asks_lights = at_vertices.is_coarse(hit, front);
+        let mut point = None;
+        if asks_lights || at_vertices.leaning[hit.triangle as usize] {
+            let mut seen = surface.point(hit.triangle, hit.barycentrics, front);
+            if seen.normal.dot(wanted.direction) > 0.0 {
+                // A light on the other side of the shading normal gives nothing, which
+                // vertices cannot know.
+                seen.normal = -seen.normal;
+                asks_lights = true;
             }
-            (point, is_behind)
-        });
-        let irradiance = match seen {
-            // A light on the other side of the shading normal gives nothing, which
-            // vertices cannot know.
-            Some((point, is_behind)) if is_coarse || is_behind => {
-                interpolated(&at_vertices.without_lights) + self.direct(&point, wanted)
-            }
-            _ => interpolated(&at_vertices.irradiance),
+            point = Some(seen);
+        }
+        let irradiance = match point.filter(|_| asks_lights) {
+            Some(point) => interpolated(&at_vertices.without_lights) + self.direct(&point, wanted),
+            None => interpolated(&at_vertices.irradiance),
         };
         let albedo = self.albedo(hit, hit.t * wanted.spread_rad);
         albedo * irradiance * std::f32::consts::FRAC_1_PI

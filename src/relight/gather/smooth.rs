@@ -2,12 +2,12 @@
 //!
 //! A patch of sun seen from the other end of a room is met by one ray in a hundred,
 //! and 256 rays leave grain there. The points of neighbours complete one another, so
-//! a mean over some pixels has next to none of it; it is taken over those to which
+//! a fit to some pixels has next to none of it; it is made to those to which
 //! all that sends light is so far away that it looks the same from there: by the
 //! harmonic mean of the rays' lengths (Ward, Rubinstein and Clear, "A Ray Tracing
 //! Solution for Diffuse Interreflection", 1988). In a corner the other wall is near to
-//! all pixels, and nothing would be left to take a mean over; where few rays bring most
-//! of the light, what is far is therefore taken by the lengths of its own rays.
+//! all pixels, and none would be alike; where few rays bring most of the light, what is
+//! far is therefore taken as if nothing were nearer than it.
 
 use glam::Vec3;
 use rayon::prelude::*;
@@ -32,7 +32,8 @@ const ALIKE_WITHIN: f32 = 0.1;
 /// The same of the angle between their normals, as a share of a radian.
 const NORMALS_WITHIN: f32 = 0.1;
 
-/// Keeps a plane level where its points do not say how it leans, square pixels.
+/// Keeps a plane level where its points do not say how it leans, square pixels: a
+/// thousandth of what the pixels of one side have together.
 const LEVELLING: f32 = 0.01;
 /// Difference of the shares of far rays of two points, up to which they are taken for
 /// one another: along a wall it is some 0.05 over the reach, below a thing that stands
@@ -43,14 +44,15 @@ const OPEN_WITHIN: f32 = 0.15;
 /// are smooth; where every pixel took the mean of all that is far, things in between
 /// lost their shadows by a lamp (8 x 8: 0.30 % instead of 0.17 %).
 const BY_ALL: f32 = 3.0;
+/// See [`BY_ALL`].
 const BY_FEW: f32 = 6.0;
 
 /// Length of rays in placed units from which on what they bring would look the same
-/// from all pixels that a mean reaches.
+/// from all pixels that are taken together, of a surface that faces the eye.
 pub(super) fn reach(view: &View, from: &SurfacePoint) -> f32 {
     let eye = view.camera.eye.as_vec3();
     let pixel = view.camera.right.length() as f32 * from.position.distance(eye);
-    pixel * REACH_PX as f32 / ALIKE_WITHIN
+    (pixel * REACH_PX as f32 / ALIKE_WITHIN).at_least(f32::MIN_POSITIVE)
 }
 
 /// Share of what a ray brings that counts as far: 0 up to the reach, 1 from twice of
@@ -61,12 +63,12 @@ pub(super) fn far_share(reaches: f32) -> f32 {
         .at_most(1.0)
 }
 
-/// The means at every site.
+/// What every site has found together with its neighbours.
 pub(super) fn smoothed(view: &View, sites: &Sites, found: &[Gathered]) -> Vec<Gathered> {
     let field = Field::of(view, sites, found);
     let all = (0..found.len()).into_par_iter();
     all.with_min_len(SITES_A_TASK)
-        .map(|site| field.mean(site))
+        .map(|site| field.smoothed(site))
         .collect()
 }
 
@@ -113,8 +115,8 @@ impl<'a> Field<'a> {
         group.map_or(site, |group| self.pixels_of_groups[group] as usize)
     }
 
-    /// The mean over a site and those of the pixels around it that are alike.
-    fn mean(&self, site: usize) -> Gathered {
+    /// What a site and those of the pixels around it that are alike have found.
+    fn smoothed(&self, site: usize) -> Gathered {
         let own = &self.found[site];
         let Some(point) = self.point(site) else {
             return *own;
@@ -161,7 +163,9 @@ impl<'a> Field<'a> {
 }
 
 /// Values at pixels around one, by weighted least squares a linear function of the
-/// offset: a mean would take those of one side alone at the end of a surface.
+/// offset (first-order regression: Bitterli et al., "Nonlinearly Weighted First-order
+/// Regression for Denoising Monte Carlo Renderings", 2016): a mean would take those of
+/// one side alone at the end of a surface.
 struct Plane<const N: usize> {
     /// Sums of the weight, and of it times x, y, xx, xy and yy.
     weight: f32,
@@ -199,15 +203,21 @@ impl<const N: usize> Plane<N> {
         }
     }
 
-    /// The plane at the pixel itself.
+    /// The plane at the pixel itself, not below zero unless the mean is.
     fn value(self) -> [Vec3; N] {
         let ([x, y], [xx, xy, yy]) = (self.first, self.second);
         // The first row of the inverse of [[w, x, y], [x, xx, xy], [y, xy, yy]].
         let row = [xx * yy - xy * xy, y * xy - x * yy, x * xy - y * xx];
         let determinant = self.weight * row[0] + x * row[1] + y * row[2];
         let row = row.map(|entry| entry / determinant);
-        self.values
-            .map(|[a, b, c]| a * row[0] + b * row[1] + c * row[2])
+        self.values.map(|[a, b, c]| {
+            let plane = a * row[0] + b * row[1] + c * row[2];
+            // Beyond its points a plane may fall below any of them.
+            let lowest = a / self.weight;
+            Vec3::from_array(std::array::from_fn(|i| {
+                plane[i].at_least(lowest[i].at_most(0.0))
+            }))
+        })
     }
 }
 
@@ -316,13 +326,15 @@ mod tests {
     }
 
     #[test]
-    fn few_pixels_or_none_are_a_mean_and_no_nonsense() {
+    fn one_neighbour_or_none_changes_nothing_and_no_fit_falls_below_zero() {
         assert_eq!(found(&[], |_| 3.0), 3.0);
-        let steep = |[x, _]: [f32; 2]| if x > 0.0 { 1.0 } else { 0.0 };
-        for offsets in [&[[1.0, 0.0]][..], &[[1.0, 1.0], [2.0, 2.0], [3.0, 3.0]]] {
-            let value = found(offsets, steep);
-            assert!((-0.5..=1.0).contains(&value), "{value}");
-        }
+        let steep = |[x, _]: [f32; 2]| if x > 2.0 { 1.0 } else { 0.0 };
+        assert!(found(&[[3.0, 0.0]], steep) < 0.01);
+        // The line through 0, 0, 0, 1, 1 is -0.1 or so at its end.
+        let ahead = [1.0, 2.0, 3.0, 4.0].map(|x| [x, 0.0]);
+        assert_eq!(found(&ahead, steep), 0.0);
+        let rings = found(&ahead, |_| -1.0);
+        assert!((rings + 1.0).abs() < 1e-5, "what rings is left: {rings}");
     }
 
     #[test]
