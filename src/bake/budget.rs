@@ -33,8 +33,8 @@ const AIM: f64 = 0.85;
 /// The basis is to blame from this share of the whole error on.
 const OF_BASIS: f64 = 0.7;
 /// What is left out is to blame from so many times the rays' noise on: it holds the
-/// noise too, most of which is better left out. By default rays and coefficients
-/// `window` has 1.0 and the statues 2.8.
+/// noise too, most of which is better left out. `window` has 1.0 by 12,288 rays and 90
+/// coefficients, trials of the statues 2.3 to 3.3 by the defaults.
 const OF_COEFFICIENTS: f64 = 1.5;
 /// Bounds of what is chosen.
 const RAYS: std::ops::RangeInclusive<u32> = 128..=16_384;

@@ -103,7 +103,7 @@ pub(super) struct Gathered {
     pub(super) glossy: Vec3,
     /// 1 / the harmonic mean of the rays' lengths, in placed units.
     nearness: f32,
-    /// The same, no ray shorter than counts as far.
+    /// The same, with no ray shorter than the reach from which on it is far.
     nearness_of_far: f32,
     /// Of the bounced light that comes from afar, and of the sky's.
     of_far: Moments,

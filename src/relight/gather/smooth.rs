@@ -7,7 +7,7 @@
 //! harmonic mean of the rays' lengths (Ward, Rubinstein and Clear, "A Ray Tracing
 //! Solution for Diffuse Interreflection", 1988). In a corner the other wall is near to
 //! all pixels, and none would be alike; where few rays bring most of the light, what is
-//! far is therefore taken as if nothing were nearer than it.
+//! far is therefore taken as if nothing were nearer than where far begins.
 
 use glam::Vec3;
 use rayon::prelude::*;
@@ -20,10 +20,11 @@ use crate::relight::sites::Sites;
 use crate::scene::max_component;
 use crate::surface::SurfacePoint;
 
-/// Pixels either way that a mean is taken over. In a room with a patch of sun
+/// Pixels either way that are taken together. In a room with a patch of sun
 /// (`window/day.toml`, 320 x 240) pixels are full of grain without; the error of 8 x 8
 /// means falls from 0.277 % to 0.262 %, and in the same room by a lamp from 0.192 % to
-/// 0.17 %. Farther would blur more for nothing: a tile has 16 pixels.
+/// 0.17 %. Farther would blur more for nothing: a tile has 16 pixels. Far is counted in
+/// pixels too: of 240 x 180 so much of the room is near that its corners keep grain.
 const REACH_PX: usize = 4;
 /// Distance of two points, share of the harmonic mean of the lengths of their rays, up
 /// to which they are taken for one another: there weights end, and so does the detail
