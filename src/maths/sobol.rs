@@ -94,9 +94,11 @@ fn owen_scramble(bits: u32, seed: u32) -> u32 {
     x.reverse_bits()
 }
 
-/// A set of points in the unit cube of 4 dimensions, scrambled by its seed:
-/// sets of different seeds are independent, each is a (0, m, 2)-net in its
-/// first two dimensions.
+/// A set of points in the unit cube of 4 dimensions, scrambled by its seed: each is a
+/// (0, m, 2)-net in its first two dimensions.
+///
+/// Points of different sets are independent unless they have the same number: where
+/// two sets are used together, one takes its points in the order of [`Self::shuffled`].
 #[derive(Clone, Copy)]
 pub(crate) struct ScrambledSobol {
     seeds: [u32; 4],
@@ -114,6 +116,15 @@ impl ScrambledSobol {
         debug_assert!(index < 1 << DIRECTION_BITS, "a Sobol set has 65,536 points");
         let bits = sobol(index);
         [0, 1, 2, 3].map(|d| unit_f32(owen_scramble(bits[d], self.seeds[d])))
+    }
+
+    /// A number (below 65,536) for `index`, such that runs of 2^k numbers stay runs: this
+    /// set's points in that order are independent of another set's point by point, and
+    /// as even (padding; Burley 2020, section 5). In the same order they are a function
+    /// of one another.
+    pub(crate) fn shuffled(&self, index: u32) -> u32 {
+        debug_assert!(index < 1 << DIRECTION_BITS, "a Sobol set has 65,536 points");
+        owen_scramble(index << (32 - DIRECTION_BITS), self.seeds[3]) >> (32 - DIRECTION_BITS)
     }
 
     /// The first two coordinates of point `index`.
@@ -162,6 +173,28 @@ mod tests {
             seen[(x * 16.0) as usize * 16 + (y * 16.0) as usize] = true;
         }
         assert!(seen.iter().all(|&s| s), "a 16 x 16 cell has no point");
+    }
+
+    #[test]
+    fn shuffled_points_of_another_set_fill_the_square_with_the_first_ones() {
+        let [a, b] = [3, 4].map(|set| ScrambledSobol::new(1, set));
+        let cells = |number: &dyn Fn(u32) -> u32| {
+            let mut seen = [false; 256];
+            for i in 512..1536 {
+                let [x, y] = [a.point2(i)[0], b.point2(number(i))[0]];
+                seen[(x * 16.0) as usize * 16 + (y * 16.0) as usize] = true;
+            }
+            seen.into_iter().filter(|&s| s).count()
+        };
+        // Without, x says which sixteenth y is in.
+        assert_eq!(cells(&|i| i), 16);
+        let found = cells(&|i| b.shuffled(i));
+        assert!(found > 240, "{found} of 256 cells");
+        // Runs stay runs.
+        let mut run: Vec<u32> = (512..768).map(|i| b.shuffled(i)).collect();
+        run.sort_unstable();
+        assert_eq!(run[0] % 256, 0);
+        assert!(run.windows(2).all(|pair| pair[1] == pair[0] + 1));
     }
 
     #[test]

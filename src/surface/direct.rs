@@ -357,10 +357,15 @@ pub(crate) fn at_vertices_by_many(
             }
             // A set of its own: the few points are no part of the many.
             let set = ScrambledSobol::new(MANY_SEED, v as u32);
+            let of_light = ScrambledSobol::new(MANY_SEED ^ LIGHT_SEED, v as u32);
             let mut found = Found::default();
             for index in 0..points {
                 let point = shadows.surface.sample_point(v, set.point2(index));
-                let to_light = LightPoints::of(MANY_SEED ^ LIGHT_SEED, v as u32, index, 1);
+                let to_light = LightPoints {
+                    set: of_light,
+                    first: of_light.shuffled(index),
+                    count: 1,
+                };
                 shadows.find(light, &point, to_light, &mut found);
             }
             found.irradiance()

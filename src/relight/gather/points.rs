@@ -51,9 +51,11 @@ impl PixelPoints {
         self.directions.point(self.first + ray)
     }
 
-    /// The set of the lights' points, and the ray's point in it.
+    /// The set of the lights' points, and the ray's point in it. (In the order of the
+    /// rays a direction would choose the point of the light, and whole tiles would have
+    /// the shadow of a part of it.)
     pub(super) fn of_lights(&self, ray: u32) -> (ScrambledSobol, u32) {
-        (self.lights, self.first + ray)
+        (self.lights, self.lights.shuffled(self.first + ray))
     }
 }
 
@@ -97,5 +99,20 @@ mod tests {
             }
         }
         assert!(seen.iter().all(|&s| s), "a 16 x 16 cell has no point");
+    }
+
+    #[test]
+    fn a_direction_does_not_choose_the_point_of_the_light() {
+        let mut seen = [false; 256];
+        for pixel in [0, 1, 40, 41] {
+            let points = PixelPoints::of(pixel, 40, 256);
+            for ray in 0..256 {
+                let (set, number) = points.of_lights(ray);
+                let [u, at] = [points.uniforms(ray)[0], set.point2(number)[0]];
+                seen[(u * 16.0) as usize * 16 + (at * 16.0) as usize] = true;
+            }
+        }
+        let cells = seen.into_iter().filter(|&s| s).count();
+        assert!(cells > 240, "{cells} of 256 pairs");
     }
 }
