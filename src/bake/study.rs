@@ -307,7 +307,7 @@ impl<'a> Study<'a> {
         settings: &BakeSettings,
         lights: &VertexFields,
         run: &RunSettings,
-    ) -> [VertexFields; 2] {
+    ) -> Result<[VertexFields; 2], BakeError> {
         let basis = bake.basis();
         let fields: Fields = basis
             .vertex_of_slot()
@@ -321,25 +321,38 @@ impl<'a> Study<'a> {
             slot_of_vertex: basis.slot_of_vertex(),
             rays: settings.rays,
         };
-        let found: Vec<[Vec<[f32; LIGHTS]>; 2]> = receiver_groups(basis)
+        let groups = receiver_groups(basis);
+        run.progress.stage("parts of error", groups.len() as u64);
+        let found: Option<Vec<[Vec<[f32; LIGHTS]>; 2]>> = groups
             .par_iter()
             .map_init(
                 || transfer::Scratch::new(basis.slot_count()),
                 |scratch, &group| {
+                    if run.progress.cancelled() {
+                        return None;
+                    }
                     let rows = sample_group(&sampling, vertices_of(basis, group), scratch);
                     let near = bake.operator().near_of(group.0);
-                    whole_and_on_basis(&rows, &near, group.1 as usize, &fields, &kept)
+                    run.progress.advance(1);
+                    Some(whole_and_on_basis(
+                        &rows,
+                        &near,
+                        group.1 as usize,
+                        &fields,
+                        &kept,
+                    ))
                 },
             )
             .collect();
-        [0, 1].map(|which| {
+        let found = found.ok_or(BakeError::Cancelled)?;
+        Ok([0, 1].map(|which| {
             let slots: Fields = found
                 .iter()
                 .flat_map(|pair| &pair[which])
                 .copied()
                 .collect();
             by_vertex(basis, &slots)
-        })
+        }))
     }
 }
 

@@ -10,7 +10,7 @@ use super::run::{Measured, ReportSettings, Sweeps, Vertices, measure};
 use super::sweeps::Swept;
 use super::tables;
 use super::vertices::{BOUNCES, LAST_RAYS, MANY_POINTS};
-use crate::bake::{LIGHTS, RunSettings};
+use crate::bake::{DEFAULT_RAYS, LIGHTS, RunSettings};
 use crate::report::{Fact, Report, ReportFile, Section};
 use crate::scene::{Bounces, Scene};
 
@@ -240,17 +240,15 @@ fn sweep_section(sweeps: &Sweeps) -> Section {
          basis. Milliseconds are the least of several tries on all threads, of the bounces alone."
             .to_owned(),
     ];
-    if !sweeps.keeps_rays {
-        paragraphs.push(
-            "The scene is large: the sweeps have few points, and that of rays is left out."
-                .to_owned(),
-        );
+    if sweeps.rays < DEFAULT_RAYS {
+        paragraphs.push(format!(
+            "The scene is large: functions and coefficients are swept by {} rays a vertex, the \
+             defaults too, so that all points share the rays that fit into memory.",
+            sweeps.rays
+        ));
     }
     let mut blocks = Vec::new();
     for (swept, points) in &sweeps.points {
-        if *swept == Swept::Rays && !sweeps.keeps_rays {
-            continue;
-        }
         blocks.extend(tables::sweep_plots(*swept, points));
         blocks.push(tables::sweep_table(*swept, points));
         if *swept == Swept::Coefficients {

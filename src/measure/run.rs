@@ -9,19 +9,19 @@ use super::frame_errors::{self, Compared};
 use super::glossy::{self, GlossyError};
 use super::paths::{self, LightAgainstPaths, Subject};
 use super::pictures;
-use super::sweeps::{MOST_RAYS, Point, Sweeper, Swept};
+use super::sweeps::{Point, RAYS, Sweeper, Swept};
 use super::vertices::{Parts, SchemeErrors, Truth};
 use crate::bake::{Bake, BakeError, BakeSettings, RunSettings, Scheme, Study};
 use crate::relight::{FrameSettings, Renderer, SceneFigures, vertex_albedo};
 use crate::report::Block;
 use crate::scene::Scene;
-use crate::surface::Surface;
+use crate::surface::{KeptArrivals, Surface};
 
-/// Up to so many vertices the rays of all rows are kept for the sweeps: 98 kB a
-/// vertex, 2 GB in all.
-const KEPT_VERTICES: usize = 20_000;
+/// Bytes that the rays of all rows may take, which the bakes of the sweeps share:
+/// 30,000 vertices of as many rays as a bake traces, or more of fewer.
+const KEPT_BYTES: usize = 3_000_000_000;
 /// Beyond so many, the chapters of vertices and sweeps would take hours.
-const MOST_VERTICES: usize = 100_000;
+const MOST_VERTICES: usize = 200_000;
 
 /// What a report is made with.
 #[derive(Debug, Clone, PartialEq)]
@@ -73,7 +73,8 @@ pub(super) struct SchemeResult {
 /// Chapter of the sweeps.
 pub(super) struct Sweeps {
     pub(super) points: Vec<(Swept, Vec<Point>)>,
-    pub(super) keeps_rays: bool,
+    /// Rays a vertex of the sweeps of functions and coefficients.
+    pub(super) rays: u32,
 }
 
 /// Measures a scene; every figure is of this run.
@@ -181,40 +182,33 @@ fn transfer_chapters(
         ));
         return Ok((None, None));
     }
-    let keeps_rays = count <= KEPT_VERTICES;
-    let kept = if keeps_rays { MOST_RAYS } else { 0 };
-    let surface = Study::surface(renderer.scene(), bake, kept, run)?;
+    let rays = kept_rays(count);
+    let surface = Study::surface(renderer.scene(), bake, rays, run)?;
     let study = Study::new(&surface, bake, run)?;
     if !study.has_bounces() {
         warnings
             .push("no surface of the scene sees another: there is no indirect light".to_owned());
         return Ok((None, None));
     }
-    if !keeps_rays {
-        warnings.push(format!(
-            "{count} vertices: a subset of them is compared, and the sweeps have fewer points \
-             (all up to {KEPT_VERTICES})"
-        ));
-    }
     let albedo = vertex_albedo(renderer.scene(), &surface);
-    let found = vertices(
-        &study,
-        &surface,
-        (renderer.scene(), bake, &albedo),
-        keeps_rays,
-        run,
-    )?;
+    let found = vertices(&study, &surface, (renderer.scene(), bake, &albedo), run)?;
     clock.next("vertices");
-    let sweeps = sweeps(&study, &found, keeps_rays, run)?;
+    let sweeps = sweeps(&study, &found, rays, run)?;
     clock.next("sweeps");
     Ok((Some(found), Some(sweeps)))
+}
+
+/// Rays a vertex that are kept of so many vertices: the most that the sweeps ask
+/// for within [`KEPT_BYTES`].
+fn kept_rays(vertices: usize) -> u32 {
+    let fits = |rays: &u32| vertices * KeptArrivals::bytes_of(*rays) <= KEPT_BYTES;
+    RAYS.into_iter().rev().find(fits).unwrap_or(RAYS[0])
 }
 
 fn vertices(
     study: &Study,
     surface: &Surface,
     (scene, bake, albedo): (&Scene, &Bake, &[Vec3]),
-    keeps_rays: bool,
     run: &RunSettings,
 ) -> Result<Vertices, BakeError> {
     let grey = albedo.iter().map(|rho| rho.element_sum() / 3.0).collect();
@@ -222,7 +216,6 @@ fn vertices(
     let sweeper = Sweeper {
         study,
         truth: &truth,
-        keeps_rays,
     };
     let mut bakes = Vec::new();
     let mut schemes = Vec::new();
@@ -237,7 +230,7 @@ fn vertices(
             settings,
             point,
             errors: truth.scheme(&bake, run),
-            parts: truth.parts(study, &bake, &settings, run),
+            parts: truth.parts(study, &bake, &settings, run)?,
         });
         bakes.push(bake);
     }
@@ -255,29 +248,46 @@ fn vertices(
     })
 }
 
+/// The sweeps, whose points share the rays that the study keeps, `rays` a vertex:
+/// where a bake has more, its settings are measured with as few once more.
 fn sweeps(
     study: &Study,
     vertices: &Vertices,
-    keeps_rays: bool,
+    rays: u32,
     run: &RunSettings,
 ) -> Result<Sweeps, BakeError> {
     let sweeper = Sweeper {
         study,
         truth: &vertices.truth,
-        keeps_rays,
     };
-    let default = |scheme: usize| {
-        let scheme = &vertices.schemes[scheme];
+    let mut defaults = Vec::new();
+    let mut bases = Vec::new();
+    for scheme in &vertices.schemes {
         let point = Point {
             uncut: Some(scheme.parts.uncut.mean),
             ..scheme.point
         };
-        (scheme.settings, point)
-    };
-    let defaults = [default(0), default(1)];
+        defaults.push((scheme.settings, point));
+        bases.push(if scheme.settings.rays <= rays {
+            (scheme.settings, point)
+        } else {
+            let settings = BakeSettings {
+                rays,
+                ..scheme.settings
+            };
+            (settings, sweeper.default_point(&settings, run)?)
+        });
+    }
     let points = Swept::ALL
         .into_iter()
-        .map(|swept| Ok((swept, sweeper.sweep(swept, &defaults, run)?)))
+        .map(|swept| {
+            let bases = if swept == Swept::Rays {
+                &defaults
+            } else {
+                &bases
+            };
+            Ok((swept, sweeper.sweep(swept, bases, rays, run)?))
+        })
         .collect::<Result<_, BakeError>>()?;
-    Ok(Sweeps { points, keeps_rays })
+    Ok(Sweeps { points, rays })
 }

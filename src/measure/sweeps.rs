@@ -18,13 +18,7 @@ use crate::scene::Bounces;
 /// published scheme.)
 const FUNCTIONS: [u32; 7] = [32, 64, 128, 256, 512, 1024, 2048];
 const COEFFICIENTS: [u32; 6] = [16, 32, 64, 128, 256, 512];
-const RAYS: [u32; 5] = [384, 768, 1536, 3072, MOST_RAYS];
-/// Points for a scene whose rays are not kept, where a bake traces its own.
-const FEW_COEFFICIENTS: [u32; 3] = [32, 64, 128];
-const FEW_FUNCTIONS: [u32; 2] = [256, 1024];
-/// Most rays a vertex of a sweep: those of a bake by default, which then need not
-/// be traced for every point.
-pub(super) const MOST_RAYS: u32 = DEFAULT_RAYS;
+pub(super) const RAYS: [u32; 5] = [384, 768, 1536, 3072, DEFAULT_RAYS];
 /// Times that the bounces of a point are timed; the least counts, since other
 /// programs only ever add to it.
 pub(super) const TIMED: usize = 15;
@@ -43,14 +37,11 @@ pub(super) enum Swept {
 impl Swept {
     pub(super) const ALL: [Self; 3] = [Self::Functions, Self::Coefficients, Self::Rays];
 
-    fn values(self, keeps_rays: bool) -> &'static [u32] {
-        match (self, keeps_rays) {
-            (Self::Functions, true) => &FUNCTIONS,
-            (Self::Coefficients, true) => &COEFFICIENTS,
-            (Self::Rays, true) => &RAYS,
-            (Self::Functions, false) => &FEW_FUNCTIONS,
-            (Self::Coefficients, false) => &FEW_COEFFICIENTS,
-            (Self::Rays, false) => &[],
+    fn values(self) -> &'static [u32] {
+        match self {
+            Self::Functions => &FUNCTIONS,
+            Self::Coefficients => &COEFFICIENTS,
+            Self::Rays => &RAYS,
         }
     }
 
@@ -91,22 +82,22 @@ pub(super) struct Point {
 pub(super) struct Sweeper<'a> {
     pub(super) study: &'a Study<'a>,
     pub(super) truth: &'a Truth,
-    pub(super) keeps_rays: bool,
 }
 
 impl Sweeper<'_> {
     /// Bakes and measures all points of a sweep, those of the defaults included
-    /// (as they were found before).
+    /// (as they were found before), of at most so many rays a vertex otherwise.
     pub(super) fn sweep(
         &self,
         swept: Swept,
-        defaults: &[(BakeSettings, Point); 2],
+        defaults: &[(BakeSettings, Point)],
+        most_rays: u32,
         run: &RunSettings,
     ) -> Result<Vec<Point>, BakeError> {
         let mut points = Vec::new();
         for (settings, default) in defaults {
             let mut found = vec![*default];
-            for &value in swept.values(self.keeps_rays) {
+            for &value in swept.values() {
                 if run.progress.cancelled() {
                     return Err(BakeError::Cancelled);
                 }
@@ -116,13 +107,13 @@ impl Sweeper<'_> {
                     Swept::Coefficients => value == default.coefficients_asked,
                     Swept::Rays => value == default.rays,
                 };
-                if is_default {
+                if is_default || settings.rays > most_rays {
                     continue;
                 }
                 let bake = self.study.bake(&settings, run)?;
                 let mut point = self.point(&bake, &settings, run);
                 if swept == Swept::Functions {
-                    point.uncut = Some(self.uncut(&bake, &settings, run));
+                    point.uncut = Some(self.uncut(&bake, &settings, run)?);
                 }
                 found.push(point);
             }
@@ -132,9 +123,29 @@ impl Sweeper<'_> {
         Ok(points)
     }
 
-    fn uncut(&self, bake: &Bake, settings: &BakeSettings, run: &RunSettings) -> f64 {
-        run.progress.stage("functions alone", 1);
-        self.truth.parts(self.study, bake, settings, run).uncut.mean
+    /// The point of default settings but for their rays, with what the functions
+    /// alone leave.
+    pub(super) fn default_point(
+        &self,
+        settings: &BakeSettings,
+        run: &RunSettings,
+    ) -> Result<Point, BakeError> {
+        let bake = self.study.bake(settings, run)?;
+        Ok(Point {
+            is_default: true,
+            uncut: Some(self.uncut(&bake, settings, run)?),
+            ..self.point(&bake, settings, run)
+        })
+    }
+
+    fn uncut(
+        &self,
+        bake: &Bake,
+        settings: &BakeSettings,
+        run: &RunSettings,
+    ) -> Result<f64, BakeError> {
+        let parts = self.truth.parts(self.study, bake, settings, run)?;
+        Ok(parts.uncut.mean)
     }
 
     /// Measures a bake.

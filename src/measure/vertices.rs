@@ -189,9 +189,9 @@ impl Truth {
         bake: &Bake,
         settings: &BakeSettings,
         run: &RunSettings,
-    ) -> Parts {
+    ) -> Result<Parts, BakeError> {
         let lights = self.direct.columns(0..LIGHTS);
-        let [whole, on_basis] = study.whole_and_on_basis(bake, settings, &lights, run);
+        let [whole, on_basis] = study.whole_and_on_basis(bake, settings, &lights, run)?;
         let stored = bake.bounce(run.level, &lights);
         let between = |right: &VertexFields, other: &VertexFields| {
             let [right, other] = [right, other].map(|it| it.at(&self.receivers));
@@ -199,12 +199,12 @@ impl Truth {
         };
         let against_truth =
             |estimate: &VertexFields| over_lights(&self.errors(Columns::One, estimate), |_| true);
-        Parts {
+        Ok(Parts {
             noise: against_truth(&whole),
             basis: between(&whole, &on_basis),
             compression: between(&on_basis, &stored),
             uncut: against_truth(&on_basis),
-        }
+        })
     }
 
     /// What averaging direct light over a few points of each area costs; skies,

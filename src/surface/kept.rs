@@ -6,7 +6,7 @@ use super::Arrival;
 /// A ray that escaped.
 const ESCAPED: u32 = u32::MAX;
 
-/// Where the rays of every vertex arrive, as many of each. 16 bytes a ray.
+/// Where the rays of every vertex arrive, as many of each.
 pub(crate) struct KeptArrivals {
     rays: u32,
     /// Triangle x 2 + front, and the bits of the barycentric coordinates.
@@ -22,12 +22,19 @@ impl KeptArrivals {
         }
     }
 
-    /// Joins lists of the same number of rays, in their order.
+    /// Bytes that `rays` of a vertex take.
+    pub(crate) const fn bytes_of(rays: u32) -> usize {
+        rays as usize * size_of::<[u32; 4]>()
+    }
+
+    /// Joins lists of the same number of rays, in their order, and gives each back
+    /// to the system once it is copied.
     pub(crate) fn concat(rays: u32, lists: Vec<Self>) -> Self {
-        Self {
-            rays,
-            sites: lists.into_iter().flat_map(|list| list.sites).collect(),
+        let mut sites = Vec::with_capacity(lists.iter().map(|list| list.sites.len()).sum());
+        for list in lists {
+            sites.extend(list.sites);
         }
+        Self { rays, sites }
     }
 
     /// Rays of each vertex.

@@ -181,8 +181,8 @@ fn error_plot(name: &str, caption: &str, x: Axis, series: Vec<Series>, marks: Ve
     })
 }
 
-/// (bytes a vertex, errors of both schemes) where the sweep of coefficients
-/// reaches both.
+/// (bytes a vertex, errors of both schemes, where the sweep of coefficients
+/// reaches).
 pub(in crate::measure) fn at_equal_bytes(
     points: &[Point],
     which: usize,
@@ -195,11 +195,20 @@ pub(in crate::measure) fn at_equal_bytes(
                 let curve: Vec<(f64, f64)> = of_scheme
                     .map(|p| (p.bytes_per_vertex, p.errors[which].mean))
                     .collect();
-                between(&curve, bytes)
+                between(&curve, bytes).or_else(|| beyond(&curve, bytes))
             });
             (bytes, errors)
         })
         .collect()
+}
+
+/// The error of a scheme that has nothing more to store by so many bytes: the last
+/// two points of its curve, in the order of coefficients, are one.
+fn beyond(curve: &[(f64, f64)], bytes: f64) -> Option<f64> {
+    let [.., before, last] = curve else {
+        return None;
+    };
+    (before == last && bytes > last.0).then_some(last.1)
 }
 
 /// How many times as wrong the published scheme is.
@@ -232,8 +241,24 @@ pub(in crate::measure) fn equal_bytes(points: &[Point]) -> Block {
     table(
         "equal-bytes",
         "Error at equal bytes, between the points of the sweep of coefficients (straight in \
-         logarithms); empty where the sweep does not reach.",
+         logarithms). A scheme that has nothing left to store by fewer bytes keeps its error; \
+         empty where the sweep does not reach.",
         columns,
         rows,
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_scheme_that_stores_all_keeps_its_error_and_a_cut_sweep_says_nothing() {
+        let growing = [(30.0, 0.3), (60.0, 0.25), (70.0, 0.24)];
+        assert_eq!(beyond(&growing, 100.0), None);
+        let whole = [(30.0, 0.3), (70.0, 0.24), (70.0, 0.24)];
+        assert_eq!(beyond(&whole, 100.0), Some(0.24));
+        assert_eq!(beyond(&whole, 20.0), None);
+        assert_eq!(beyond(&whole[..1], 100.0), None);
+    }
 }
