@@ -260,6 +260,26 @@ fn a_cache_that_cannot_be_used_is_a_warning() {
     assert_eq!(kept, "a file", "nobody's file is touched");
 }
 
+#[test]
+fn an_error_that_is_missed_is_said_once_by_each_run() {
+    let folder = temporary_folder();
+    let asked = ["--set", "bake.error=0.0001", "--set", "bake.rays=64"];
+    let said = |arguments: &[&str]| {
+        let finished = render_box(folder.path(), arguments);
+        let count = finished.stderr.matches("were asked for").count();
+        (outcome(&finished).0, count)
+    };
+    let miss = ("miss".to_owned(), 1);
+    let hit = ("hit".to_owned(), 1);
+    assert_eq!(said(&asked), miss, "made");
+    assert_eq!(said(&asked), hit, "stored");
+    let all = ["--set", "render.bounces=\"all\""];
+    let fixed = ["--set", "bake.fixed_albedo=true"];
+    let folded = [&asked[..], &all, &fixed].concat();
+    assert_eq!(said(&folded), miss, "the bounces folded anew");
+    assert_eq!(said(&folded), hit, "stored, folded");
+}
+
 #[cfg(unix)]
 #[test]
 fn a_stored_bake_has_the_rights_of_any_new_file() {
