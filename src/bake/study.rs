@@ -107,7 +107,7 @@ pub(crate) struct Study<'a> {
 
 impl<'a> Study<'a> {
     /// The surface of a scene as a bake of it has it, with the first `rays`
-    /// arrivals of every row kept; 0: none.
+    /// arrivals of every row kept.
     pub(crate) fn surface(
         scene: &Scene,
         bake: &Bake,
@@ -116,12 +116,10 @@ impl<'a> Study<'a> {
     ) -> Result<Surface, BakeError> {
         let mut surface = Surface::fronts(scene, &Detail::of_keys(&scene.bake));
         bake.add_sides_to(&mut surface);
-        if rays > 0 {
-            run.progress
-                .stage("rays of all rows", surface.vertices.len() as u64);
-            let kept = trace_arrivals(&surface, run.level, (None, rays), run.progress);
-            surface.kept_arrivals = Some(kept.ok_or(BakeError::Cancelled)?);
-        }
+        run.progress
+            .stage("rays of all rows", surface.vertices.len() as u64);
+        let kept = trace_arrivals(&surface, run.level, (None, rays), run.progress);
+        surface.kept_arrivals = Some(kept.ok_or(BakeError::Cancelled)?);
         Ok(surface)
     }
 
@@ -333,14 +331,9 @@ impl<'a> Study<'a> {
                     }
                     let rows = sample_group(&sampling, vertices_of(basis, group), scratch);
                     let near = bake.operator().near_of(group.0);
+                    let pair = whole_and_on_basis(&rows, &near, group.1 as usize, &fields, &kept);
                     run.progress.advance(1);
-                    Some(whole_and_on_basis(
-                        &rows,
-                        &near,
-                        group.1 as usize,
-                        &fields,
-                        &kept,
-                    ))
+                    Some(pair)
                 },
             )
             .collect();

@@ -289,20 +289,21 @@ pub(super) fn trace_arrivals(
 ) -> Option<KeptArrivals> {
     let seed = seed.unwrap_or(SEED);
     let vertices: Vec<u32> = (0..surface.vertices.len() as u32).collect();
-    let lists: Option<Vec<KeptArrivals>> = vertices
-        .par_chunks(VERTICES_PER_TASK)
-        .map(|vertices| {
+    let mut kept = KeptArrivals::untraced(rays, vertices.len());
+    let tasks = vertices.par_chunks(VERTICES_PER_TASK);
+    tasks
+        .zip(kept.rows_mut(VERTICES_PER_TASK))
+        .try_for_each(|(vertices, rows)| {
             if progress.cancelled() {
                 return None;
             }
             let rays_of = |&vertex| vertex_rays(surface, level, [seed, vertex], rays);
             let all = vertices.iter().flat_map(rays_of);
-            let list = KeptArrivals::new(rays, all.map(|(_, (_, hit))| hit));
+            rows.fill(all.map(|(_, (_, hit))| hit));
             progress.advance(vertices.len() as u64);
-            Some(list)
-        })
-        .collect();
-    Some(KeptArrivals::concat(rays, lists?))
+            Some(())
+        })?;
+    Some(kept)
 }
 
 /// Adds a row's rays that escaped to the cells of the sky, or what rays aimed at

@@ -84,7 +84,10 @@ fn main_figures(figures: &MainFigures) -> Value {
         (it.scheme.name().to_owned(), object)
     });
     let ratios = figures.ratios_at_equal_bytes.iter();
-    let ratios = ratios.map(|(bytes, ratio)| json!({ "bytes_per_vertex": bytes, "ratio": ratio }));
+    let ratios = ratios.map(|(bytes, ratio)| {
+        let rays = figures.rays_of_ratios;
+        json!({ "bytes_per_vertex": bytes, "ratio": ratio, "reduced_to_rays": rays })
+    });
     let images = figures.images.iter().map(|it| {
         let of = |which: usize| {
             json!({
@@ -142,9 +145,12 @@ fn summary(figures: &MainFigures) -> String {
             it.relight_ms,
         ));
     }
+    let reduced = figures.rays_of_ratios.map_or(String::new(), |rays| {
+        format!(", both by {rays} rays a vertex")
+    });
     for (bytes, ratio) in &figures.ratios_at_equal_bytes {
         lines.push(format!(
-            "paper / relume at {bytes:.0} bytes a vertex: {ratio:.2}"
+            "paper / relume within {bytes:.0} bytes a vertex: {ratio:.2}{reduced}"
         ));
     }
     for it in &figures.images {

@@ -97,8 +97,9 @@ fn owen_scramble(bits: u32, seed: u32) -> u32 {
 /// A set of points in the unit cube of 4 dimensions, scrambled by its seed: each is a
 /// (0, m, 2)-net in its first two dimensions.
 ///
-/// Points of different sets are independent unless they have the same number: where
-/// two sets are used together, one takes its points in the order of [`Self::shuffled`].
+/// Points of different sets are independent unless the number of the one follows from
+/// that of the other: where two sets are used together, one takes its points in the
+/// order of [`Self::shuffled`].
 #[derive(Clone, Copy)]
 pub(crate) struct ScrambledSobol {
     seeds: [u32; 4],
@@ -118,10 +119,10 @@ impl ScrambledSobol {
         [0, 1, 2, 3].map(|d| unit_f32(owen_scramble(bits[d], self.seeds[d])))
     }
 
-    /// A number (below 65,536) for `index`, such that runs of 2^k numbers stay runs: this
-    /// set's points in that order are independent of another set's point by point, and
-    /// as even (padding; Burley 2020, section 5). In the same order they are a function
-    /// of one another.
+    /// A number (below 65,536) for `index`, such that runs of 2^k numbers that begin at a
+    /// multiple of it stay such runs: this set's first two coordinates in that order are
+    /// independent of another set's point by point, and as even (padding; Burley 2020,
+    /// section 5). In the same order they are a function of one another.
     pub(crate) fn shuffled(&self, index: u32) -> u32 {
         debug_assert!(index < 1 << DIRECTION_BITS, "a Sobol set has 65,536 points");
         owen_scramble(index << (32 - DIRECTION_BITS), self.seeds[3]) >> (32 - DIRECTION_BITS)

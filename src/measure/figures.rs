@@ -25,9 +25,12 @@ pub struct MainFigures {
     pub stated: Option<LightErrors>,
     /// Noise of the truth at the vertices, mean over lights, one bounce and four.
     pub truth_noise: Option<[f64; 2]>,
-    /// (bytes a vertex, error of the published scheme over that of relume's own),
-    /// one bounce; only where the sweep reaches.
+    /// (bytes a vertex, error of the published scheme over that of relume's own within
+    /// so many), one bounce; only where the sweep reaches.
     pub ratios_at_equal_bytes: Vec<(f64, f64)>,
+    /// Rays a vertex of both in these ratios, where the defaults have more than can be
+    /// kept.
+    pub rays_of_ratios: Option<u32>,
     /// Of the frame against the path tracer.
     pub images: Vec<ImageFigures>,
     /// (roughness, relRMSE of the glossy component, its bias); none without glossy
@@ -132,6 +135,7 @@ pub(super) fn main_figures(measured: &Measured) -> MainFigures {
             .into_iter()
             .filter_map(|(bytes, errors)| Some((bytes, tables::ratio(errors)?)))
             .collect(),
+        rays_of_ratios: measured.sweeps.as_ref().and_then(|it| it.reduced_to),
         images: measured
             .image
             .iter()

@@ -10,7 +10,7 @@ use super::run::{Measured, ReportSettings, Sweeps, Vertices, measure};
 use super::sweeps::Swept;
 use super::tables;
 use super::vertices::{BOUNCES, LAST_RAYS, MANY_POINTS};
-use crate::bake::{DEFAULT_RAYS, LIGHTS, RunSettings};
+use crate::bake::{LIGHTS, RunSettings};
 use crate::report::{Fact, Report, ReportFile, Section};
 use crate::scene::{Bounces, Scene};
 
@@ -97,8 +97,11 @@ fn facts(measured: &Measured, figures: &MainFigures) -> Vec<Fact> {
             ),
         ));
     }
+    let reduced = figures.rays_of_ratios.map_or(String::new(), |rays| {
+        format!(", both by {}", rays_a_vertex(rays))
+    });
     for &(bytes, ratio) in &figures.ratios_at_equal_bytes {
-        let note = format!("at {bytes:.0} bytes a vertex, one bounce");
+        let note = format!("within {bytes:.0} bytes a vertex, one bounce{reduced}");
         facts.push(fact("paper / relume", format!("{ratio:.2}"), &note));
     }
     for image in &figures.images {
@@ -240,11 +243,12 @@ fn sweep_section(sweeps: &Sweeps) -> Section {
          basis. Milliseconds are the least of several tries on all threads, of the bounces alone."
             .to_owned(),
     ];
-    if sweeps.rays < DEFAULT_RAYS {
+    if let Some(rays) = sweeps.reduced_to {
         paragraphs.push(format!(
-            "The scene is large: functions and coefficients are swept by {} rays a vertex, the \
-             defaults too, so that all points share the rays that fit into memory.",
-            sweeps.rays
+            "{} fit into memory, which is fewer than the defaults have: functions and \
+             coefficients are swept by as many, rows marked \"default\" too, and so are the \
+             schemes compared at equal bytes. The sweep of rays has nothing in between.",
+            rays_a_vertex(rays)
         ));
     }
     let mut blocks = Vec::new();
@@ -261,6 +265,10 @@ fn sweep_section(sweeps: &Sweeps) -> Section {
         paragraphs,
         blocks,
     }
+}
+
+fn rays_a_vertex(rays: u32) -> String {
+    format!("{rays} rays a vertex")
 }
 
 fn glossy_section(measured: &Measured) -> Section {

@@ -10,18 +10,19 @@ use super::glossy::{self, GlossyError};
 use super::paths::{self, LightAgainstPaths, Subject};
 use super::pictures;
 use super::sweeps::{Point, RAYS, Sweeper, Swept};
-use super::vertices::{Parts, SchemeErrors, Truth};
+use super::vertices::{Parts, ROW_RAYS, SchemeErrors, Truth};
 use crate::bake::{Bake, BakeError, BakeSettings, RunSettings, Scheme, Study};
 use crate::relight::{FrameSettings, Renderer, SceneFigures, vertex_albedo};
 use crate::report::Block;
 use crate::scene::Scene;
 use crate::surface::{KeptArrivals, Surface};
 
-/// Bytes that the rays of all rows may take, which the bakes of the sweeps share:
-/// 30,000 vertices of as many rays as a bake traces, or more of fewer.
-const KEPT_BYTES: usize = 3_000_000_000;
+/// Bytes that rays may take: those of all rows, which the bakes of the sweeps share,
+/// and those of the truth's. 43,000 vertices have room for as many rays as a bake
+/// traces, 75,000 for half of them, 120,000 for a quarter.
+const KEPT_BYTES: u64 = 5_000_000_000;
 /// Beyond so many, the chapters of vertices and sweeps would take hours.
-const MOST_VERTICES: usize = 200_000;
+const MOST_VERTICES: usize = 150_000;
 
 /// What a report is made with.
 #[derive(Debug, Clone, PartialEq)]
@@ -73,8 +74,9 @@ pub(super) struct SchemeResult {
 /// Chapter of the sweeps.
 pub(super) struct Sweeps {
     pub(super) points: Vec<(Swept, Vec<Point>)>,
-    /// Rays a vertex of the sweeps of functions and coefficients.
-    pub(super) rays: u32,
+    /// Rays a vertex of the sweeps of functions and coefficients, and most of that of
+    /// rays but for the default, where a bake has more than can be kept.
+    pub(super) reduced_to: Option<u32>,
 }
 
 /// Measures a scene; every figure is of this run.
@@ -198,10 +200,13 @@ fn transfer_chapters(
     Ok((Some(found), Some(sweeps)))
 }
 
-/// Rays a vertex that are kept of so many vertices: the most that the sweeps ask
-/// for within [`KEPT_BYTES`].
+/// Rays a vertex that are kept of so many vertices: the most that the sweep of rays
+/// asks for within [`KEPT_BYTES`] and what one list may have, or the least of it.
 fn kept_rays(vertices: usize) -> u32 {
-    let fits = |rays: &u32| vertices * KeptArrivals::bytes_of(*rays) <= KEPT_BYTES;
+    let bytes = |rays: u32| KeptArrivals::bytes_of(vertices as u64 * u64::from(rays));
+    let fits = |&rays: &u32| {
+        bytes(rays) + bytes(ROW_RAYS) <= KEPT_BYTES && bytes(rays) <= isize::MAX as u64
+    };
     RAYS.into_iter().rev().find(fits).unwrap_or(RAYS[0])
 }
 
@@ -216,6 +221,7 @@ fn vertices(
     let sweeper = Sweeper {
         study,
         truth: &truth,
+        most_rays: kept_rays(surface.vertices.len()),
     };
     let mut bakes = Vec::new();
     let mut schemes = Vec::new();
@@ -248,46 +254,71 @@ fn vertices(
     })
 }
 
-/// The sweeps, whose points share the rays that the study keeps, `rays` a vertex:
-/// where a bake has more, its settings are measured with as few once more.
+/// The sweeps, whose points share the rays that the study keeps, `most_rays` a vertex.
+/// Where the defaults have more, functions and coefficients start from the same
+/// settings with as few.
 fn sweeps(
     study: &Study,
     vertices: &Vertices,
-    rays: u32,
+    most_rays: u32,
     run: &RunSettings,
 ) -> Result<Sweeps, BakeError> {
     let sweeper = Sweeper {
         study,
         truth: &vertices.truth,
+        most_rays,
     };
-    let mut defaults = Vec::new();
-    let mut bases = Vec::new();
+    let (mut defaults, mut starts) = (Vec::new(), Vec::new());
+    let mut reduced_to = None;
     for scheme in &vertices.schemes {
         let point = Point {
             uncut: Some(scheme.parts.uncut.mean),
             ..scheme.point
         };
         defaults.push((scheme.settings, point));
-        bases.push(if scheme.settings.rays <= rays {
-            (scheme.settings, point)
+        if scheme.settings.rays <= most_rays {
+            starts.push((scheme.settings, point));
         } else {
             let settings = BakeSettings {
-                rays,
+                rays: most_rays,
                 ..scheme.settings
             };
-            (settings, sweeper.default_point(&settings, run)?)
-        });
+            starts.push((settings, sweeper.start(&settings, run)?));
+            reduced_to = Some(most_rays);
+        }
     }
-    let points = Swept::ALL
-        .into_iter()
-        .map(|swept| {
-            let bases = if swept == Swept::Rays {
-                &defaults
-            } else {
-                &bases
-            };
-            Ok((swept, sweeper.sweep(swept, bases, rays, run)?))
-        })
-        .collect::<Result<_, BakeError>>()?;
-    Ok(Sweeps { points, rays })
+    let points = Swept::ALL.into_iter().map(|swept| {
+        let from = if swept == Swept::Rays {
+            &defaults
+        } else {
+            &starts
+        };
+        Ok((swept, sweeper.sweep(swept, from, run)?))
+    });
+    Ok(Sweeps {
+        points: points.collect::<Result<_, BakeError>>()?,
+        reduced_to,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rays_that_are_kept_fit_into_memory() {
+        let found = [
+            1,
+            43_597,
+            43_598,
+            76_293,
+            76_294,
+            122_070,
+            122_071,
+            MOST_VERTICES,
+        ];
+        let rays = [6144, 6144, 3072, 3072, 1536, 1536, 768, 768];
+        assert_eq!(found.map(kept_rays), rays);
+        assert_eq!(kept_rays(10_000_000), 384, "the least, whatever it takes");
+    }
 }

@@ -13,7 +13,7 @@ use crate::maths::order::Order;
 use crate::relight::Transport;
 use crate::scene::Bounces;
 
-/// Points of a sweep. (At 256 coefficients relume's own scheme, which leaves out
+/// Points of the sweeps, ascending. (At 256 coefficients relume's own scheme, which leaves out
 /// components that are noise, has 130 bytes a vertex: 512 bring it to those of the
 /// published scheme.)
 const FUNCTIONS: [u32; 7] = [32, 64, 128, 256, 512, 1024, 2048];
@@ -82,32 +82,33 @@ pub(super) struct Point {
 pub(super) struct Sweeper<'a> {
     pub(super) study: &'a Study<'a>,
     pub(super) truth: &'a Truth,
+    /// Rays a vertex that the study keeps.
+    pub(super) most_rays: u32,
 }
 
 impl Sweeper<'_> {
-    /// Bakes and measures all points of a sweep, those of the defaults included
-    /// (as they were found before), of at most so many rays a vertex otherwise.
+    /// Bakes and measures all points of a sweep whose rays are kept, and adds those
+    /// that it starts from, as they were found before.
     pub(super) fn sweep(
         &self,
         swept: Swept,
-        defaults: &[(BakeSettings, Point)],
-        most_rays: u32,
+        starts: &[(BakeSettings, Point)],
         run: &RunSettings,
     ) -> Result<Vec<Point>, BakeError> {
         let mut points = Vec::new();
-        for (settings, default) in defaults {
-            let mut found = vec![*default];
+        for (settings, start) in starts {
+            let mut found = vec![*start];
             for &value in swept.values() {
                 if run.progress.cancelled() {
                     return Err(BakeError::Cancelled);
                 }
                 let settings = swept.put(settings, value);
-                let is_default = match swept {
-                    Swept::Functions => value == default.functions_asked,
-                    Swept::Coefficients => value == default.coefficients_asked,
-                    Swept::Rays => value == default.rays,
+                let is_start = match swept {
+                    Swept::Functions => value == start.functions_asked,
+                    Swept::Coefficients => value == start.coefficients_asked,
+                    Swept::Rays => value == start.rays,
                 };
-                if is_default || settings.rays > most_rays {
+                if is_start || settings.rays > self.most_rays {
                     continue;
                 }
                 let bake = self.study.bake(&settings, run)?;
@@ -123,9 +124,8 @@ impl Sweeper<'_> {
         Ok(points)
     }
 
-    /// The point of default settings but for their rays, with what the functions
-    /// alone leave.
-    pub(super) fn default_point(
+    /// Measures where a sweep starts: as a default is, but for the rays.
+    pub(super) fn start(
         &self,
         settings: &BakeSettings,
         run: &RunSettings,

@@ -21,7 +21,7 @@ const ROW_SEEDS: [u32; 2] = [0x4e90_0001, 0x4e90_0002];
 const LAST_SEEDS: [u32; 2] = [0x4e90_0003, 0x4e90_0004];
 /// Rays a vertex of the rows in between, each half: their noise of 3 % is
 /// independent from vertex to vertex, and the last bounce averages hundreds.
-const ROW_RAYS: u32 = 1024;
+pub(super) const ROW_RAYS: u32 = 1024;
 /// Rays a receiver of the last bounce, each half.
 pub(super) const LAST_RAYS: u32 = 4096;
 /// Scenes of more vertices have a subset of receivers: this many.

@@ -36,7 +36,7 @@ use crate::maths::order::Order;
 use crate::maths::sampling::{cosine_direction, mirrored_above};
 use crate::scene::max_component;
 use crate::simd::Hit;
-use crate::surface::direct::{LightPoints, SeenLobe};
+use crate::surface::direct::SeenLobe;
 use crate::surface::{NONE, Surface, SurfacePoint};
 
 /// Rays a pixel. In the Cornell box (320 x 240) 256 leave 0.7 % of noise a pixel
@@ -261,17 +261,12 @@ fn add(
     let wanted: Vec<Wanted> = numbers
         .map(|number| {
             let [u, v, light, _] = points.uniforms(number);
-            let (set, first) = points.of_lights(number);
             let about_normal = cosine_direction(from.normal, [u, v]);
             Wanted {
                 direction: mirrored_above(about_normal, from.flat_normal),
                 spread_rad,
                 light,
-                light_points: LightPoints {
-                    set,
-                    first,
-                    count: 1,
-                },
+                light_points: points.of_lights(number),
             }
         })
         .collect();

@@ -111,8 +111,7 @@ impl<'a> Found<'a> {
 }
 
 impl LightPoints {
-    /// Points `first` to `first + count` of the set of an index; sets of
-    /// different seeds or indices are independent.
+    /// Points `first` to `first + count` of the set of an index.
     pub(crate) fn of(seed: u32, index: u32, first: u32, count: u32) -> Self {
         Self {
             set: ScrambledSobol::new(seed, index),
@@ -357,6 +356,7 @@ pub(crate) fn at_vertices_by_many(
             }
             // A set of its own: the few points are no part of the many.
             let set = ScrambledSobol::new(MANY_SEED, v as u32);
+            // Of lights that are no points; a study's are.
             let of_light = ScrambledSobol::new(MANY_SEED ^ LIGHT_SEED, v as u32);
             let mut found = Found::default();
             for index in 0..points {

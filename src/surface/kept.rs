@@ -1,6 +1,8 @@
 //! Arrivals that were traced before, for those who look at one surface many
 //! times.
 
+use rayon::prelude::*;
+
 use super::Arrival;
 
 /// A ray that escaped.
@@ -14,27 +16,26 @@ pub(crate) struct KeptArrivals {
 }
 
 impl KeptArrivals {
-    /// Arrivals vertex by vertex, `rays` of each.
-    pub(crate) fn new(rays: u32, arrivals: impl Iterator<Item = Option<Arrival>>) -> Self {
+    /// Room for `rays` of each of so many vertices; until they are traced, all escape.
+    pub(crate) fn untraced(rays: u32, vertices: usize) -> Self {
         Self {
             rays,
-            sites: arrivals.map(site).collect(),
+            sites: vec![[ESCAPED; 4]; vertices * rays as usize],
         }
     }
 
-    /// Bytes that `rays` of a vertex take.
-    pub(crate) const fn bytes_of(rays: u32) -> usize {
-        rays as usize * size_of::<[u32; 4]>()
+    /// The rows of `vertices` vertices at a time, in order.
+    pub(crate) fn rows_mut(
+        &mut self,
+        vertices: usize,
+    ) -> impl IndexedParallelIterator<Item = KeptRows<'_>> {
+        let chunks = self.sites.par_chunks_mut(vertices * self.rays as usize);
+        chunks.map(|sites| KeptRows { sites })
     }
 
-    /// Joins lists of the same number of rays, in their order, and gives each back
-    /// to the system once it is copied.
-    pub(crate) fn concat(rays: u32, lists: Vec<Self>) -> Self {
-        let mut sites = Vec::with_capacity(lists.iter().map(|list| list.sites.len()).sum());
-        for list in lists {
-            sites.extend(list.sites);
-        }
-        Self { rays, sites }
+    /// Bytes that so many rays take.
+    pub(crate) const fn bytes_of(rays: u64) -> u64 {
+        rays * size_of::<[u32; 4]>() as u64
     }
 
     /// Rays of each vertex.
@@ -52,6 +53,20 @@ impl KeptArrivals {
         self.sites[first..first + count as usize]
             .iter()
             .map(arrival)
+    }
+}
+
+/// The rows of some vertices, to be filled.
+pub(crate) struct KeptRows<'a> {
+    sites: &'a mut [[u32; 4]],
+}
+
+impl KeptRows<'_> {
+    /// Puts in the arrivals of all their rays, vertex by vertex.
+    pub(crate) fn fill(self, arrivals: impl Iterator<Item = Option<Arrival>>) {
+        for (place, arrival) in self.sites.iter_mut().zip(arrivals) {
+            *place = site(arrival);
+        }
     }
 }
 

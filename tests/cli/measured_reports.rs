@@ -5,7 +5,7 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use crate::program::{SMALL_BAKE, relume, run, scene, succeed, temporary_folder};
+use crate::program::{Finished, SMALL_BAKE, relume, run, scene, succeed, temporary_folder};
 
 /// Errors of a sane bake of 560 vertices by 64 rays: measured 0.18 for both
 /// schemes; noise alone is 0.17.
@@ -116,26 +116,56 @@ fn a_folder_that_is_a_file_is_refused_before_any_work() {
     assert_eq!(kept, "not a folder");
 }
 
-#[test]
-fn a_scene_without_light_has_a_report_that_says_so() {
-    let folder = temporary_folder();
+/// The report of the box without its lamp.
+fn measure_in_the_dark(folder: &Path, arguments: &[&str]) -> Finished {
     let source = scene("cornell");
     let text = fs::read_to_string(&source).expect("the box");
     let (head, _) = text.split_once("[[light]]").expect("the box has one light");
     for name in ["cornell.obj", "cornell.mtl"] {
         let from = source.with_file_name(name);
-        fs::copy(from, folder.path().join(name)).expect("a file of the box");
+        fs::copy(from, folder.join(name)).expect("a file of the box");
     }
-    let dark = folder.path().join("dark.toml");
+    let dark = folder.join("dark.toml");
     fs::write(&dark, head).expect("a scene can be written");
     let mut command = relume(&["measure"]);
-    command
-        .arg(&dark)
-        .args(SMALL_BAKE)
-        .args(["--size", "20x15", "--json", "-o"]);
-    let finished = succeed(command.arg(folder.path().join("report")));
+    command.arg(&dark).args(SMALL_BAKE).args(arguments);
+    command.args(["--size", "20x15", "--json", "-o"]);
+    succeed(command.arg(folder.join("report")))
+}
+
+#[test]
+fn a_scene_without_light_has_a_report_that_says_so() {
+    let folder = temporary_folder();
+    let finished = measure_in_the_dark(folder.path(), &[]);
     assert!(finished.stderr.contains("no light"), "{finished:#?}");
     let object = finished.json();
     assert_eq!(object["images"], serde_json::json!({}), "{object}");
     assert!(number(&object["schemes"]["relume"]["one_bounce"]["mean"]) > 0.0);
+    for ratio in object["paper_over_relume"].as_array().expect("a list") {
+        assert_eq!(ratio["reduced_to_rays"], Value::Null, "{ratio}");
+    }
+}
+
+#[test]
+fn sweeps_by_fewer_rays_than_the_defaults_say_so() {
+    let folder = temporary_folder();
+    let many = ["--set", "bake.rays=6400"];
+    let object = measure_in_the_dark(folder.path(), &many).json();
+    let ratios = object["paper_over_relume"].as_array().expect("a list");
+    assert!(!ratios.is_empty(), "{object}");
+    for ratio in ratios {
+        assert_eq!(ratio["reduced_to_rays"], 6144, "{ratio}");
+    }
+    let report = folder.path().join("report");
+    let page = fs::read_to_string(report.join("report.html")).expect("the report");
+    assert!(page.contains("6144 rays a vertex fit into memory"));
+    let rays_of = |sweep: &str| -> Vec<String> {
+        let path = report.join(format!("tables/sweep-{sweep}.csv"));
+        let table = fs::read_to_string(path).expect("the table of a sweep");
+        let defaults = table.lines().filter(|line| line.ends_with("default"));
+        let rays = defaults.map(|line| line.split(',').nth(3).expect("rays").to_owned());
+        rays.collect()
+    };
+    assert_eq!(rays_of("coefficients"), ["6144"; 2]);
+    assert_eq!(rays_of("rays"), ["6400"; 2]);
 }

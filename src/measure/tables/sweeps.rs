@@ -181,8 +181,8 @@ fn error_plot(name: &str, caption: &str, x: Axis, series: Vec<Series>, marks: Ve
     })
 }
 
-/// (bytes a vertex, errors of both schemes, where the sweep of coefficients
-/// reaches).
+/// (bytes a vertex, errors of both schemes within so many, where the sweep of
+/// coefficients reaches).
 pub(in crate::measure) fn at_equal_bytes(
     points: &[Point],
     which: usize,
@@ -191,8 +191,11 @@ pub(in crate::measure) fn at_equal_bytes(
         .into_iter()
         .map(|bytes| {
             let errors = Scheme::ALL.map(|scheme| {
-                let of_scheme = points.iter().filter(|point| point.scheme == scheme);
+                let mut of_scheme: Vec<&Point> =
+                    points.iter().filter(|it| it.scheme == scheme).collect();
+                of_scheme.sort_by_key(|point| point.coefficients_asked);
                 let curve: Vec<(f64, f64)> = of_scheme
+                    .iter()
                     .map(|p| (p.bytes_per_vertex, p.errors[which].mean))
                     .collect();
                 between(&curve, bytes).or_else(|| beyond(&curve, bytes))
@@ -202,13 +205,14 @@ pub(in crate::measure) fn at_equal_bytes(
         .collect()
 }
 
-/// The error of a scheme that has nothing more to store by so many bytes: the last
-/// two points of its curve, in the order of coefficients, are one.
+/// The error of a scheme that stores fewer bytes whatever it is allowed: of the points
+/// of its curve, in the order of the coefficients that they were allowed, the last two
+/// are one.
 fn beyond(curve: &[(f64, f64)], bytes: f64) -> Option<f64> {
     let [.., before, last] = curve else {
         return None;
     };
-    (before == last && bytes > last.0).then_some(last.1)
+    (before == last && last.1 > 0.0 && bytes > last.0).then_some(last.1)
 }
 
 /// How many times as wrong the published scheme is.
@@ -240,9 +244,9 @@ pub(in crate::measure) fn equal_bytes(points: &[Point]) -> Block {
     ];
     table(
         "equal-bytes",
-        "Error at equal bytes, between the points of the sweep of coefficients (straight in \
-         logarithms). A scheme that has nothing left to store by fewer bytes keeps its error; \
-         empty where the sweep does not reach.",
+        "Error within so many bytes, between the points of the sweep of coefficients (straight \
+         in logarithms). Where twice the coefficients make a scheme store no more, it keeps its \
+         error; empty where the sweep does not reach.",
         columns,
         rows,
     )
@@ -260,5 +264,10 @@ mod tests {
         assert_eq!(beyond(&whole, 100.0), Some(0.24));
         assert_eq!(beyond(&whole, 20.0), None);
         assert_eq!(beyond(&whole[..1], 100.0), None);
+        assert_eq!(
+            beyond(&[(70.0, 0.0); 2], 100.0),
+            None,
+            "nothing was measured"
+        );
     }
 }

@@ -7,7 +7,7 @@ use super::arriving::{Rays, Wanted};
 use super::points::PixelPoints;
 use crate::maths::order::Order;
 use crate::surface::SurfacePoint;
-use crate::surface::direct::{LightPoints, SeenLobe};
+use crate::surface::direct::SeenLobe;
 
 /// Widest cone that one ray stands for, radians.
 const WIDEST: f32 = 0.5;
@@ -31,18 +31,13 @@ pub(super) fn gathered(
         if direction.dot(from.flat_normal) <= 0.0 {
             continue;
         }
-        let (set, first) = points.of_lights(number);
         let density = lobe.glossy.density(&lobe.frame, direction);
         let solid_angle = 1.0 / (density * super::RAYS as f32).at_least(f32::MIN_POSITIVE);
         wanted.push(Wanted {
             direction,
             spread_rad: solid_angle.sqrt().at_most(WIDEST),
             light,
-            light_points: LightPoints {
-                set,
-                first,
-                count: 1,
-            },
+            light_points: points.of_lights(number),
         });
         weights.push(weight);
     }

@@ -2,6 +2,7 @@
 
 use crate::maths::hash::hash3;
 use crate::maths::sobol::ScrambledSobol;
+use crate::surface::direct::LightPoints;
 
 /// Side of the squares of pixels that share one set of points. A set has 65,536.
 const TILE_PX: u32 = 16;
@@ -51,11 +52,15 @@ impl PixelPoints {
         self.directions.point(self.first + ray)
     }
 
-    /// The set of the lights' points, and the ray's point in it. (In the order of the
+    /// The point of a light that one of the pixel's rays asks for where it arrives. (In the order of the
     /// rays a direction would choose the point of the light, and whole tiles would have
     /// the shadow of a part of it.)
-    pub(super) fn of_lights(&self, ray: u32) -> (ScrambledSobol, u32) {
-        (self.lights, self.lights.shuffled(self.first + ray))
+    pub(super) fn of_lights(&self, ray: u32) -> LightPoints {
+        LightPoints {
+            set: self.lights,
+            first: self.lights.shuffled(self.first + ray),
+            count: 1,
+        }
     }
 }
 
@@ -107,8 +112,8 @@ mod tests {
         for pixel in [0, 1, 40, 41] {
             let points = PixelPoints::of(pixel, 40, 256);
             for ray in 0..256 {
-                let (set, number) = points.of_lights(ray);
-                let [u, at] = [points.uniforms(ray)[0], set.point2(number)[0]];
+                let light = points.of_lights(ray);
+                let [u, at] = [points.uniforms(ray)[0], light.set.point2(light.first)[0]];
                 seen[(u * 16.0) as usize * 16 + (at * 16.0) as usize] = true;
             }
         }
