@@ -192,6 +192,14 @@ fn transfer_chapters(
             .push("no surface of the scene sees another: there is no indirect light".to_owned());
         return Ok((None, None));
     }
+    if renderer.scene().bake.error.is_some() {
+        warnings.push(
+            "an error is asked for: frames, and the error that is stated, are of the bake that was \
+             found for it, the chapters of vertices and sweeps of default settings; set bake.rays, \
+             bake.functions and bake.coefficients instead to have one bake in all of them"
+                .to_owned(),
+        );
+    }
     let albedo = vertex_albedo(renderer.scene(), &surface);
     let found = vertices(&study, &surface, (renderer.scene(), bake, &albedo), run)?;
     clock.next("vertices");
@@ -223,27 +231,36 @@ fn vertices(
         truth: &truth,
         most_rays: kept_rays(surface.vertices.len()),
     };
-    let mut bakes = Vec::new();
-    let mut schemes = Vec::new();
+    let mut made = Vec::new();
     for scheme in Scheme::ALL {
+        // A study has the transfer of any bake of its settings, and this one is there;
+        // those of an error to be reached are found by a search.
+        let is_there = scheme == bake.stats().scheme && scene.bake.error.is_none();
         let settings = BakeSettings::of_scheme(scheme, &scene.bake);
-        let bake = study.bake(&settings, run)?;
+        made.push(match is_there {
+            true => None,
+            false => Some(study.bake(&settings, run)?),
+        });
+    }
+    let bakes = [0, 1].map(|scheme: usize| made[scheme].as_ref().unwrap_or(bake));
+    let mut schemes = Vec::new();
+    for (scheme, &bake) in Scheme::ALL.into_iter().zip(&bakes) {
+        let settings = BakeSettings::of_scheme(scheme, &scene.bake);
         let point = Point {
             is_default: true,
-            ..sweeper.point(&bake, &settings, run)
+            ..sweeper.point(bake, &settings, run)
         };
         schemes.push(SchemeResult {
             settings,
             point,
-            errors: truth.scheme(&bake, run),
-            parts: truth.parts(study, &bake, &settings, run)?,
+            errors: truth.scheme(bake, run),
+            parts: truth.parts(study, bake, &settings, run)?,
         });
-        bakes.push(bake);
     }
     let subject = Subject {
         scene,
         surface,
-        bakes: [&bakes[0], &bakes[1]],
+        bakes,
         albedo,
     };
     let paths = paths::against_paths(&subject, &truth.lights, run)?;
