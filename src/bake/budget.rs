@@ -14,7 +14,7 @@ use super::operator::receiver_groups;
 use super::places::Places;
 use super::receivers::{Receivers, Truth};
 use super::test_lights::TestLights;
-use super::{BakeError, BakeSettings, Importance, RunSettings, spectral_basis};
+use super::{BakeError, BakeSettings, Importance, RunSettings, Scheme, spectral_basis};
 use crate::surface::Surface;
 
 /// Seed of the lights that choose.
@@ -42,14 +42,14 @@ const MOST_COEFFICIENTS: u32 = 256;
 /// Vertices a function, at least.
 const VERTICES_A_FUNCTION: usize = 4;
 
-/// The settings for an error, if one is asked for.
+/// The settings for an error, if one is asked for; the published scheme has none.
 pub(super) fn settings_for_error(
     surface: &Surface,
     places: &Places,
     settings: &BakeSettings,
     run: &RunSettings,
 ) -> Result<BakeSettings, BakeError> {
-    let Some(error) = settings.error else {
+    let (Some(error), Scheme::Relume) = (settings.error, settings.scheme) else {
         return Ok(*settings);
     };
     let aim = error * AIM;

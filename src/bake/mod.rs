@@ -185,10 +185,7 @@ impl Bake {
         run: &RunSettings,
     ) -> Result<Self, BakeError> {
         let places = Places::of(surface, run.level);
-        let settings = &match settings.scheme {
-            Scheme::Relume => settings_for_error(surface, &places, settings, run)?,
-            Scheme::Paper => *settings,
-        };
+        let settings = &settings_for_error(surface, &places, settings, run)?;
         let basis = spectral_basis(&places, settings, run)?;
         let has_gloss = surface.glossy_materials.contains(&true);
         let importance = match settings.scheme {

@@ -6,6 +6,7 @@
 use rayon::prelude::*;
 
 use super::audit::{smooth, whole_and_on_basis};
+use super::budget::settings_for_error;
 use super::excitation::Excitation;
 use super::operator::{receiver_groups, vertices_of};
 use super::places::Places;
@@ -140,6 +141,16 @@ impl<'a> Study<'a> {
             open_points: bake.open_points().to_vec(),
             priors,
         })
+    }
+
+    /// Settings with the rays, functions and coefficients that a bake of them finds,
+    /// where they ask for an error.
+    pub(crate) fn found(
+        &self,
+        settings: &BakeSettings,
+        run: &RunSettings,
+    ) -> Result<BakeSettings, BakeError> {
+        settings_for_error(self.surface, &self.places, settings, run)
     }
 
     /// A bake without a sky and without statements about itself.

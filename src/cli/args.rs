@@ -65,7 +65,8 @@ pub(super) struct Render {
     pub(super) view: ViewArguments,
     /// What to show.
     #[arg(long, default_value = "global", value_parser = parse_component, value_name = "NAME",
-          long_help = "What to show: global, direct, indirect, irradiance, albedo, normal, depth, \
+          long_help = "What to show: global, direct, indirect, glossy, irradiance, albedo, normal, \
+                       depth, \
                        approximated-direct (direct light as the basis has it), partitions (of the \
                        basis), basis:K (its function K, from 0) or basis:P.K (function K of \
                        partition P).")]
@@ -199,7 +200,7 @@ pub(super) struct SceneArguments {
     pub(super) scheme: Scheme,
     /// Relative error of indirect light to reach, as in 0.02: the bake chooses
     /// rays, functions and coefficients for it; short for --set bake.error.
-    #[arg(long, value_name = "SHARE")]
+    #[arg(long, value_name = "SHARE", value_parser = parse_share, allow_negative_numbers = true)]
     pub(super) error: Option<f64>,
     #[command(flatten)]
     pub(super) run: Run,
@@ -296,6 +297,12 @@ fn parse_glossy_bounces(text: &str) -> Result<GlossyBounces, String> {
         "final" => Ok(GlossyBounces::Final),
         _ => Err("glossy bounces are all or final".to_owned()),
     }
+}
+
+/// A share that the scene file's key judges.
+fn parse_share(text: &str) -> Result<f64, String> {
+    let share = text.parse::<f64>().ok().filter(|share| share.is_finite());
+    share.ok_or_else(|| "an error is a number, such as 0.02 for 2 %".to_owned())
 }
 
 fn parse_component(text: &str) -> Result<Component, ComponentError> {

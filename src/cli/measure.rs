@@ -8,7 +8,7 @@ use serde_json::{Map, Value, json};
 
 use super::args::Measure;
 use super::error::CliError;
-use super::info::announce_bake;
+use super::info::{announce_bake, announce_report};
 use super::render::apply_frame;
 use super::report::{Report, errors, rounded, stage_key};
 use super::run::{cache_folder, load_scene, warn, with_run};
@@ -57,6 +57,9 @@ fn measured(arguments: &Measure, folder: &Path) -> Result<Report, CliError> {
         frame: FrameSettings::of_scene(&scene),
         samples: arguments.spp,
     };
+    let [width, height] = settings.frame.camera.size;
+    let paths = f64::from(width) * f64::from(height) * f64::from(settings.samples);
+    announce_report(scene.clone(), paths, &arguments.scene.run)?;
     let measured = with_run(&arguments.scene.run, |run| {
         Ok(relume::measure::report(scene, &settings, run)?)
     })?;
@@ -135,7 +138,7 @@ fn summary(figures: &MainFigures) -> String {
     for it in &figures.schemes {
         lines.push(format!(
             "{:<8} {:>4.0} bytes a vertex: error {:.2} % (95th percentile {:.2} %), four bounces \
-             {:.2} % ({:.2} %), {:.2} ms",
+             {:.2} % ({:.2} %) in {:.2} ms",
             it.scheme.name(),
             it.bytes_per_vertex,
             it.one_bounce.mean * 100.0,
@@ -150,20 +153,18 @@ fn summary(figures: &MainFigures) -> String {
     });
     for (bytes, ratio) in &figures.ratios_at_equal_bytes {
         lines.push(format!(
-            "paper / relume within {bytes:.0} bytes a vertex: {ratio:.2}{reduced}"
+            "within {bytes:.0} bytes a vertex, paper's error is {ratio:.2} times relume's{reduced}"
         ));
     }
     for it in &figures.images {
+        let [pixels, blocks] = [0, 1].map(|which| it.error_text(which));
+        let [times, times_of_blocks] = [0, 1].map(|which| it.ratio_text(which));
         lines.push(format!(
-            "{:<16} FLIP {:.4}, relRMSE {:.2} % (8 x 8: {:.2} %), frame {:.1} ms of one thread; \
-             paths to the same error take {:.0} times as long (8 x 8: {:.0})",
+            "{:<16} FLIP {:.4}, relRMSE {pixels} (8 x 8: {blocks}), frame {:.1} ms of one thread; \
+             paths to the same error take {times} times as long (8 x 8: {times_of_blocks})",
             it.name(),
             it.flip[0],
-            it.relative_rmse[0] * 100.0,
-            it.relative_rmse[1] * 100.0,
             it.frame_ms,
-            it.ratios[0],
-            it.ratios[1],
         ));
     }
     for (roughness, error, bias) in &figures.glossy {

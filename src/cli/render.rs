@@ -24,6 +24,7 @@ pub(super) fn execute(arguments: &Render) -> Result<Report, CliError> {
         quality: arguments.quality,
         ..FrameSettings::of_scene(&scene)
     };
+    warn(black(&scene, arguments.component).into_iter().collect());
     let folder = cache_folder(&arguments.scene.run);
 
     let mut renderer = with_run(&arguments.scene.run, |_| {
@@ -57,6 +58,17 @@ pub(super) fn execute(arguments: &Render) -> Result<Report, CliError> {
         &frame,
         &digest(&arguments.view, &picture),
     ))
+}
+
+/// Why a frame will be black, if it is for what the scene lacks.
+fn black(scene: &Scene, component: Component) -> Option<String> {
+    let has_gloss = scene.materials.iter().any(|it| it.gloss().is_some());
+    if component.is_light() && !scene.has_light() {
+        let why = "the scene has no [[light]], and no material that emits: the frame is black";
+        return Some(why.to_owned());
+    }
+    (component == Component::Glossy && !has_gloss)
+        .then(|| "no material of the scene is glossy: the component is black".to_owned())
 }
 
 /// Refuses unknown formats and missing folders before a long job, not after it.

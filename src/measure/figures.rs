@@ -94,6 +94,30 @@ impl ImageFigures {
     pub fn name(&self) -> String {
         named(self.component, self.quality)
     }
+
+    /// The error of pixels (0) or blocks (1), in words where the reference's noise
+    /// hides it.
+    pub fn error_text(&self, which: usize) -> String {
+        match self.relative_rmse[which] {
+            error if error > 0.0 => format!("{:.2} %", error * 100.0),
+            _ => format!("below the noise of {:.2} %", self.noise[which] * 100.0),
+        }
+    }
+
+    /// [`Self::ratios`] to two digits, which is what clocks are worth.
+    pub fn ratio_text(&self, which: usize) -> String {
+        match self.ratios[which] {
+            ratio if !ratio.is_finite() => "unknown".to_owned(),
+            ratio if ratio < 9.5 => format!("{ratio:.1}"),
+            ratio => {
+                let mut unit = 1.0;
+                while ratio / unit >= 99.5 {
+                    unit *= 10.0;
+                }
+                format!("{:.0}", (ratio / unit).round() * unit)
+            }
+        }
+    }
 }
 
 /// What a frame of a component is called, by its quality.
@@ -180,4 +204,32 @@ fn coefficients(sweeps: &Sweeps) -> Option<&[Point]> {
         .iter()
         .find(|(swept, _)| *swept == Swept::Coefficients);
     found.map(|(_, points)| points.as_slice())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_noise_hides_is_no_error_of_zero() {
+        let figures = |error, ratio| ImageFigures {
+            component: "global",
+            quality: Quality::Standard,
+            relative_rmse: [error; 2],
+            noise: [0.012; 2],
+            bias: 0.0,
+            flip: [0.0; 2],
+            flip_of_halves: 0.0,
+            frame_ms: 1.0,
+            path_seconds: [1.0; 2],
+            ratios: [ratio; 2],
+            break_even_frames: [None; 2],
+        };
+        let hidden = figures(0.0, f64::INFINITY);
+        assert_eq!(hidden.error_text(0), "below the noise of 1.20 %");
+        assert_eq!(hidden.ratio_text(1), "unknown");
+        assert_eq!(figures(0.0123, 1.0).error_text(1), "1.23 %");
+        let texts = [0.44, 9.6, 99.4, 99.6, 4_903.0].map(|it| figures(0.1, it).ratio_text(0));
+        assert_eq!(texts, ["0.4", "10", "99", "100", "4900"]);
+    }
 }

@@ -102,7 +102,11 @@ fn facts(measured: &Measured, figures: &MainFigures) -> Vec<Fact> {
     });
     for &(bytes, ratio) in &figures.ratios_at_equal_bytes {
         let note = format!("within {bytes:.0} bytes a vertex, one bounce{reduced}");
-        facts.push(fact("paper / relume", format!("{ratio:.2}"), &note));
+        facts.push(fact(
+            "paper's error / relume's",
+            format!("{ratio:.2}"),
+            &note,
+        ));
     }
     for image in &figures.images {
         facts.push(fact(
@@ -115,12 +119,12 @@ fn facts(measured: &Measured, figures: &MainFigures) -> Vec<Fact> {
         ));
         facts.push(fact(
             &format!("paths / frame, {}", image.name()),
-            format!("{:.0}", image.ratios[0]),
+            image.ratio_text(0),
             &format!(
-                "time of one thread at equal relRMSE of pixels ({}); {:.0} at that of {BLOCK} x \
+                "time of one thread at equal relRMSE of pixels ({}); {} at that of {BLOCK} x \
                  {BLOCK} blocks",
-                percent(image.relative_rmse[0]),
-                image.ratios[1]
+                image.error_text(0),
+                image.ratio_text(1)
             ),
         ));
     }

@@ -96,7 +96,7 @@ pub(super) fn measure(
     let mut warnings = renderer.take_warnings();
     warnings.extend(Scheme::Paper.warning());
     let (vertices, sweeps) = transfer_chapters(&renderer, &mut warnings, &mut clock, run)?;
-    let has_light = has_light(renderer.scene());
+    let has_light = renderer.scene().has_light();
     let mut comparisons = Vec::new();
     let image = if has_light {
         let found =
@@ -162,11 +162,6 @@ impl Chapters {
     }
 }
 
-fn has_light(scene: &Scene) -> bool {
-    let emits = |material: &crate::scene::Material| material.emission != Vec3::ZERO;
-    !scene.lights.is_empty() || scene.materials.iter().any(emits)
-}
-
 /// The chapters that look at the transfer itself.
 fn transfer_chapters(
     renderer: &Renderer,
@@ -191,14 +186,6 @@ fn transfer_chapters(
         warnings
             .push("no surface of the scene sees another: there is no indirect light".to_owned());
         return Ok((None, None));
-    }
-    if renderer.scene().bake.error.is_some() {
-        warnings.push(
-            "an error is asked for: frames, and the error that is stated, are of the bake that was \
-             found for it, the chapters of vertices and sweeps of default settings; set bake.rays, \
-             bake.functions and bake.coefficients instead to have one bake in all of them"
-                .to_owned(),
-        );
     }
     let albedo = vertex_albedo(renderer.scene(), &surface);
     let found = vertices(&study, &surface, (renderer.scene(), bake, &albedo), run)?;
@@ -231,21 +218,21 @@ fn vertices(
         truth: &truth,
         most_rays: kept_rays(surface.vertices.len()),
     };
+    let mut settings = Vec::new();
     let mut made = Vec::new();
     for scheme in Scheme::ALL {
-        // A study has the transfer of any bake of its settings, and this one is there;
-        // those of an error to be reached are found by a search.
-        let is_there = scheme == bake.stats().scheme && scene.bake.error.is_none();
-        let settings = BakeSettings::of_scheme(scheme, &scene.bake);
-        made.push(match is_there {
+        let asked = BakeSettings::of_scheme(scheme, &scene.bake);
+        let found = study.found(&asked, run)?;
+        // A study has the transfer of any bake of its settings, and this one is there.
+        made.push(match scheme == bake.stats().scheme {
             true => None,
-            false => Some(study.bake(&settings, run)?),
+            false => Some(study.bake(&found, run)?),
         });
+        settings.push(found);
     }
     let bakes = [0, 1].map(|scheme: usize| made[scheme].as_ref().unwrap_or(bake));
     let mut schemes = Vec::new();
-    for (scheme, &bake) in Scheme::ALL.into_iter().zip(&bakes) {
-        let settings = BakeSettings::of_scheme(scheme, &scene.bake);
+    for (settings, bake) in settings.into_iter().zip(bakes) {
         let point = Point {
             is_default: true,
             ..sweeper.point(bake, &settings, run)

@@ -18,6 +18,8 @@ pub struct Outlook {
     pub triangles: usize,
     /// Longest edge left whole, scene units.
     pub max_edge: f64,
+    /// The same as the scene asks for, where that would make too many vertices.
+    pub max_edge_asked: Option<f64>,
     /// Share of the rays of front sides that escape, 0 to 1, by a survey.
     pub escaped_share_of_fronts: f64,
     /// The frame that the scene file asks for.

@@ -230,10 +230,12 @@ impl Renderer {
             Some(baked) => BakeForecast::of(&baked.bake, baked.file_bytes),
             None => forecast(&mut self.surface, &settings, folds, run)?,
         };
+        let asked = self.scene.bake.max_edge;
         Ok(Outlook {
             contents: SceneContents::of(&self.scene, &self.surface),
             triangles: self.surface.mesh.triangles.len(),
             max_edge: self.surface.max_edge,
+            max_edge_asked: asked.filter(|asked| self.surface.max_edge > asked * (1.0 + 1e-6)),
             escaped_share_of_fronts: escaped_share_of_fronts(&self.surface, run.level),
             frame: FrameSettings::of_scene(&self.scene),
             bake,

@@ -6,7 +6,8 @@
 //! whose visibility differs within a pixel's 3 x 3 neighbourhood, or whose own
 //! edge (the rim of a cone) passes there, is asked for at every sample: by one
 //! shadow ray, or by a quarter of `light_samples` if it is no point. Colours of
-//! maps are means over the pixel. All else stays where it is, so that direct and
+//! maps are means over the pixel; normals and depths are those of what covers most of
+//! it. All else stays where it is, so that direct and
 //! indirect light add up to both.
 
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -21,7 +22,7 @@ use super::gather::{GatherLight, Gathered, at_sites};
 use super::glossy_light::GlossyLight;
 use super::lit_sites::{DirectLight, KeptPicture};
 use super::paint::{Footprint, Paint};
-use super::raster::Fragment;
+use super::raster::{Fragment, SurfaceGroup};
 use super::reach::seen_point;
 use super::sites::{Sites, members};
 use super::stages::Stages;
@@ -189,24 +190,50 @@ impl Shading<'_> {
     fn pixel_of_surfaces(&self, pixel: usize, samples: &[Fragment; 16]) -> (Vec3, bool) {
         let share = |members: u32| members as f32 / 16.0;
         let uncovered = samples.iter().filter(|s| !s.is_covered()).count() as u32;
+        if self.view.component.is_geometry() {
+            return (self.most_of_pixel(pixel, samples, uncovered), false);
+        }
         let mut value = Vec3::ZERO;
         if uncovered > 0 {
             value += self.no_surface(pixel, &Fragment::EMPTY) * share(uncovered);
         }
         let mut below_zero = false;
         for (site, group) in self.sites.groups(pixel) {
-            let fragment = &samples[group.representative as usize];
-            let (shade, negative) = match seen_point(self.view, fragment) {
-                None => (self.no_surface(pixel, fragment), false),
-                Some(point) => {
-                    let colours = self.colours_of_group(fragment, members(group, samples));
-                    self.shaded(fragment, &point, site, colours)
-                }
-            };
+            let (shade, negative) = self.of_group(pixel, (site, group), samples);
             value += shade * share(group.members.count_ones());
             below_zero |= negative;
         }
         (value, below_zero)
+    }
+
+    /// The value of what covers most of a pixel's samples.
+    fn most_of_pixel(&self, pixel: usize, samples: &[Fragment; 16], uncovered: u32) -> Vec3 {
+        let mut most = (uncovered, Vec3::ZERO);
+        for (site, group) in self.sites.groups(pixel) {
+            let covered = group.members.count_ones();
+            if covered > most.0 {
+                most = (covered, self.of_group(pixel, (site, group), samples).0);
+            }
+        }
+        most.1
+    }
+
+    /// The value of one surface of a pixel, and whether light from the basis was below
+    /// zero there.
+    fn of_group(
+        &self,
+        pixel: usize,
+        (site, group): (usize, SurfaceGroup),
+        samples: &[Fragment; 16],
+    ) -> (Vec3, bool) {
+        let fragment = &samples[group.representative as usize];
+        match seen_point(self.view, fragment) {
+            None => (self.no_surface(pixel, fragment), false),
+            Some(point) => {
+                let colours = self.colours_of_group(fragment, members(group, samples));
+                self.shaded(fragment, &point, site, colours)
+            }
+        }
     }
 
     /// Albedo and emission of a surface in a pixel: means over its samples where

@@ -81,6 +81,14 @@ pub struct Scene {
     pub warnings: Vec<String>,
 }
 
+impl Scene {
+    /// Whether anything sends light: a light, or a material that emits.
+    pub fn has_light(&self) -> bool {
+        let emits = |it: &Material| it.emission != Vec3::ZERO;
+        !self.lights.is_empty() || self.materials.iter().any(emits)
+    }
+}
+
 /// Where shading normals come from: `normals`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Normals {

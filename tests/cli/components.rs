@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use glam::Vec3;
 use relume::{Image, read_image};
 
 use crate::program::{relume, render_box, render_box_command, scene, succeed, temporary_folder};
@@ -130,9 +131,21 @@ fn every_component_shows_what_it_is_called() {
         "albedos lie between 0 and 1"
     );
     assert!(largest(&albedo) > 0.5, "the box has white walls");
+    let is_unit = |n: &Vec3| (n.length() - 1.0).abs() <= ROUNDING;
     assert!(
-        normal.pixels().iter().all(|n| n.length() <= 1.0 + ROUNDING),
-        "normals are no longer than 1"
+        normal
+            .pixels()
+            .iter()
+            .all(|n| *n == Vec3::ZERO || is_unit(n)),
+        "normals are of one surface, also at an outline"
+    );
+    let is_in_the_box = |d: &Vec3| (5.7..7.9).contains(&d.x);
+    assert!(
+        depth
+            .pixels()
+            .iter()
+            .all(|d| *d == Vec3::ZERO || is_in_the_box(d)),
+        "depths are of one surface, not a mean with nothing"
     );
     let middle = depth.pixel(20, 8).expect("the picture has this pixel");
     assert!(

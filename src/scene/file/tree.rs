@@ -106,9 +106,17 @@ pub(crate) fn parse_document(text: &str, path: &Path) -> Result<Table, SceneErro
     let index = LineIndex::new(text, path);
     let table = DeTable::parse(text).map_err(|error| {
         let offset = error.span().map_or(0, |span| span.start);
+        let is_mesh = path
+            .extension()
+            .is_some_and(|it| it.eq_ignore_ascii_case("obj"));
         SceneError::Syntax {
             place: index.place(offset).to_string(),
-            message: format!("not valid TOML: {}", error.message()),
+            message: if is_mesh {
+                "a scene is a TOML file that names its mesh (mesh = \"room.obj\"); give that file"
+                    .to_owned()
+            } else {
+                format!("not valid TOML: {}", error.message())
+            },
         }
     })?;
     Ok(table_from(text, table.get_ref(), &|offset| {
