@@ -219,7 +219,7 @@ impl<'a> Trial<'a> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Bake, Scheme, bake};
+    use super::super::{Bake, Study, bake};
     use super::*;
     use crate::bake::FreeKeys;
     use crate::bake::audit::LightErrors;
@@ -284,6 +284,22 @@ mod tests {
         let mut surface = Surface::fronts(&scene, &Detail::of_keys(&scene.bake));
         let settings = BakeSettings::of_scheme(Scheme::Relume, &scene.bake);
         bake(&mut surface, &settings, &RunSettings::silent()).unwrap()
+    }
+
+    #[test]
+    fn a_study_finds_the_settings_and_has_the_transfer_of_a_bake() {
+        let mut scene = room_with_blocks(false, 0.3, 64);
+        (scene.bake.error, scene.bake.rays) = (Some(0.2), None);
+        let run = RunSettings::silent();
+        let settings = BakeSettings::of_scheme(Scheme::Relume, &scene.bake);
+        let mut surface = Surface::fronts(&scene, &Detail::of_keys(&scene.bake));
+        let baked = bake(&mut surface, &settings, &run).unwrap();
+        let kept = Study::surface(&scene, &baked, 256, &run).unwrap();
+        let study = Study::new(&kept, &baked, &run).unwrap();
+        let found = study.found(&settings, &run).unwrap();
+        assert_eq!(found.rays, baked.stats().rays);
+        let again = study.bake(&found, &run).unwrap();
+        assert!(again.operator() == baked.operator(), "bit by bit");
     }
 
     #[test]

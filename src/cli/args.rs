@@ -299,7 +299,7 @@ fn parse_glossy_bounces(text: &str) -> Result<GlossyBounces, String> {
     }
 }
 
-/// A share that the scene file's key judges.
+/// Any number that is one; the key `bake.error` has the range.
 fn parse_share(text: &str) -> Result<f64, String> {
     let share = text.parse::<f64>().ok().filter(|share| share.is_finite());
     share.ok_or_else(|| "an error is a number, such as 0.02 for 2 %".to_owned())

@@ -1,12 +1,13 @@
 //! `relume info`: what a scene asks for and what it will cost.
 
+use relume::measure::{ReportSettings, report_seconds};
 use relume::{BakeForecast, Bounces, LightCounts, Outlook, Renderer, Scene, SkyView};
 use serde_json::{Value, json};
 
 use super::args::{Info, Run};
 use super::error::CliError;
 use super::report::Report;
-use super::run::{cache_folder, load_scene, warn, with_run};
+use super::run::{cache_folder, load_scene, say, warn, with_run};
 
 /// Bakes that take longer than this are announced, seconds.
 const LONG_BAKE: f64 = 20.0;
@@ -307,31 +308,30 @@ fn seconds(seconds: f64) -> String {
 /// Front vertices below which no bake is long.
 const LONG_BAKE_VERTICES: usize = 10_000;
 
-/// Seconds that a report takes: so many times its bake, and for each path of the
-/// reference. On two idle cores 188 to 228 s for 12,000 vertices of bakes of 16 to 20 s
-/// and 39 million paths, and 2,112 s for 77,000 of one of 181 s (beside builds).
-const REPORT_OF_BAKE: f64 = 8.0;
-const REPORT_OF_PATH: f64 = 2e-6;
-
-/// Says on standard error how long a report will take, if it is long: `paths` in all.
-#[allow(clippy::print_stderr, reason = "the one line before a long report")]
-pub(super) fn announce_report(scene: Scene, paths: f64, arguments: &Run) -> Result<(), CliError> {
+/// Says on standard error how long a report will take, if it is long.
+pub(super) fn announce_report(
+    scene: &Scene,
+    settings: &ReportSettings,
+    arguments: &Run,
+) -> Result<(), CliError> {
+    if scene.bake.error.is_some() {
+        return Ok(());
+    }
     let bake = with_run(arguments, |run| {
-        Ok(Renderer::new(scene, None).outlook(run)?.bake)
+        Ok(Renderer::new(scene.clone(), None).outlook(run)?.bake)
     })?;
-    let forecast = REPORT_OF_BAKE * bake.seconds + REPORT_OF_PATH * paths;
-    if forecast > LONG_BAKE {
-        eprintln!(
+    let forecast = report_seconds(scene, settings, bake.vertices, bake.seconds);
+    if let Some(forecast) = forecast.filter(|it| *it > LONG_BAKE) {
+        say(&[format!(
             "report: about {}, of which the bake {}",
             seconds(forecast),
             seconds(bake.seconds)
-        );
+        )]);
     }
     Ok(())
 }
 
 /// Says on standard error how long the bake will take, if it is long.
-#[allow(clippy::print_stderr, reason = "the one line before a long bake")]
 pub(super) fn announce_bake(renderer: &mut Renderer, arguments: &Run) -> Result<(), CliError> {
     // The forecast itself takes a moment; no small scene is worth it.
     if renderer.figures().vertices < LONG_BAKE_VERTICES {
@@ -339,11 +339,11 @@ pub(super) fn announce_bake(renderer: &mut Renderer, arguments: &Run) -> Result<
     }
     let bake = with_run(arguments, |run| Ok(renderer.outlook(run)?.bake))?;
     if bake.seconds > LONG_BAKE {
-        eprintln!(
+        say(&[format!(
             "bake: about {}, {}; `relume info` says more",
             seconds(bake.seconds),
             megabytes(bake.bytes)
-        );
+        )]);
     }
     Ok(())
 }

@@ -57,9 +57,7 @@ fn measured(arguments: &Measure, folder: &Path) -> Result<Report, CliError> {
         frame: FrameSettings::of_scene(&scene),
         samples: arguments.spp,
     };
-    let [width, height] = settings.frame.camera.size;
-    let paths = f64::from(width) * f64::from(height) * f64::from(settings.samples);
-    announce_report(scene.clone(), paths, &arguments.scene.run)?;
+    announce_report(&scene, &settings, &arguments.scene.run)?;
     let measured = with_run(&arguments.scene.run, |run| {
         Ok(relume::measure::report(scene, &settings, run)?)
     })?;
@@ -89,12 +87,13 @@ fn main_figures(figures: &MainFigures) -> Value {
     let ratios = figures.ratios_at_equal_bytes.iter();
     let ratios = ratios.map(|(bytes, ratio)| {
         let rays = figures.rays_of_ratios;
-        json!({ "bytes_per_vertex": bytes, "ratio": ratio, "reduced_to_rays": rays })
+        json!({ "bytes_per_vertex": bytes, "ratio": ratio, "rays": rays })
     });
     let images = figures.images.iter().map(|it| {
         let of = |which: usize| {
             json!({
                 "relative_rmse": it.relative_rmse[which],
+                "is_below_noise": it.relative_rmse[which] == 0.0 && it.noise[which] > 0.0,
                 "noise": it.noise[which],
                 "path_seconds": it.path_seconds[which],
                 "ratio": it.ratios[which],
@@ -148,12 +147,14 @@ fn summary(figures: &MainFigures) -> String {
             it.relight_ms,
         ));
     }
-    let reduced = figures.rays_of_ratios.map_or(String::new(), |rays| {
-        format!(", both by {rays} rays a vertex")
-    });
+    let rays = figures
+        .rays_of_ratios
+        .map_or(String::new(), |[relume, paper]| {
+            format!(" (by {relume} rays a vertex, paper by {paper})")
+        });
     for (bytes, ratio) in &figures.ratios_at_equal_bytes {
         lines.push(format!(
-            "within {bytes:.0} bytes a vertex, paper's error is {ratio:.2} times relume's{reduced}"
+            "within {bytes:.0} bytes a vertex, paper's error is {ratio:.2} times relume's{rays}"
         ));
     }
     for it in &figures.images {
@@ -161,7 +162,7 @@ fn summary(figures: &MainFigures) -> String {
         let [times, times_of_blocks] = [0, 1].map(|which| it.ratio_text(which));
         lines.push(format!(
             "{:<16} FLIP {:.4}, relRMSE {pixels} (8 x 8: {blocks}), frame {:.1} ms of one thread; \
-             paths to the same error take {times} times as long (8 x 8: {times_of_blocks})",
+             time of paths to the same error / frame: {times} (8 x 8: {times_of_blocks})",
             it.name(),
             it.flip[0],
             it.frame_ms,

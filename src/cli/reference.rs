@@ -9,7 +9,7 @@ use serde_json::json;
 
 use super::args::Reference;
 use super::error::CliError;
-use super::render::{apply_frame, check_outputs, digest};
+use super::render::{apply_frame, check_outputs, digest, warn_of_black};
 use super::report::{Report, stage_times};
 use super::run::{load_scene, with_run};
 
@@ -17,6 +17,13 @@ pub(super) fn execute(arguments: &Reference) -> Result<Report, CliError> {
     check_outputs(&arguments.view)?;
     let mut scene = load_scene(&arguments.scene)?;
     apply_frame(&mut scene, &arguments.view.frame);
+    warn_of_black(
+        &scene,
+        match arguments.component.as_str() {
+            "glossy" => Component::Glossy,
+            _ => Component::Global,
+        },
+    );
     let direct_alone = arguments.component == "direct";
     let settings = ReferenceSettings {
         camera: scene.camera,

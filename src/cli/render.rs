@@ -24,7 +24,7 @@ pub(super) fn execute(arguments: &Render) -> Result<Report, CliError> {
         quality: arguments.quality,
         ..FrameSettings::of_scene(&scene)
     };
-    warn(black(&scene, arguments.component).into_iter().collect());
+    warn_of_black(&scene, arguments.component);
     let folder = cache_folder(&arguments.scene.run);
 
     let mut renderer = with_run(&arguments.scene.run, |_| {
@@ -60,15 +60,19 @@ pub(super) fn execute(arguments: &Render) -> Result<Report, CliError> {
     ))
 }
 
-/// Why a frame will be black, if it is for what the scene lacks.
-fn black(scene: &Scene, component: Component) -> Option<String> {
+/// Says why a frame will be black, if it is for what the scene lacks.
+pub(super) fn warn_of_black(scene: &Scene, component: Component) {
     let has_gloss = scene.materials.iter().any(|it| it.gloss().is_some());
     if component.is_light() && !scene.has_light() {
-        let why = "the scene has no [[light]], and no material that emits: the frame is black";
-        return Some(why.to_owned());
+        warn(vec![
+            "the scene has no [[light]], and nothing of its mesh emits: the frame is black"
+                .to_owned(),
+        ]);
+    } else if component == Component::Glossy && !has_gloss {
+        warn(vec![
+            "no material of the scene is glossy: the frame is black".to_owned(),
+        ]);
     }
-    (component == Component::Glossy && !has_gloss)
-        .then(|| "no material of the scene is glossy: the component is black".to_owned())
 }
 
 /// Refuses unknown formats and missing folders before a long job, not after it.

@@ -28,9 +28,8 @@ pub struct MainFigures {
     /// (bytes a vertex, error of the published scheme over that of relume's own within
     /// so many), one bounce; only where the sweep reaches.
     pub ratios_at_equal_bytes: Vec<(f64, f64)>,
-    /// Rays a vertex of both in these ratios, where the defaults have more than can be
-    /// kept.
-    pub rays_of_ratios: Option<u32>,
+    /// Rays a vertex in these ratios, of relume's own scheme and of the published one.
+    pub rays_of_ratios: Option<[u32; 2]>,
     /// Of the frame against the path tracer.
     pub images: Vec<ImageFigures>,
     /// (roughness, relRMSE of the glossy component, its bias); none without glossy
@@ -98,9 +97,10 @@ impl ImageFigures {
     /// The error of pixels (0) or blocks (1), in words where the reference's noise
     /// hides it.
     pub fn error_text(&self, which: usize) -> String {
-        match self.relative_rmse[which] {
-            error if error > 0.0 => format!("{:.2} %", error * 100.0),
-            _ => format!("below the noise of {:.2} %", self.noise[which] * 100.0),
+        let [error, noise] = [self.relative_rmse[which], self.noise[which]].map(|it| it * 100.0);
+        match error == 0.0 && noise > 0.0 {
+            true => format!("below the noise of {noise:.2} %"),
+            false => format!("{error:.2} %"),
         }
     }
 
@@ -108,6 +108,7 @@ impl ImageFigures {
     pub fn ratio_text(&self, which: usize) -> String {
         match self.ratios[which] {
             ratio if !ratio.is_finite() => "unknown".to_owned(),
+            ratio if ratio < 0.95 => format!("{ratio:.2}"),
             ratio if ratio < 9.5 => format!("{ratio:.1}"),
             ratio => {
                 let mut unit = 1.0;
@@ -159,7 +160,7 @@ pub(super) fn main_figures(measured: &Measured) -> MainFigures {
             .into_iter()
             .filter_map(|(bytes, errors)| Some((bytes, tables::ratio(errors)?)))
             .collect(),
-        rays_of_ratios: measured.sweeps.as_ref().and_then(|it| it.reduced_to),
+        rays_of_ratios: measured.sweeps.as_ref().map(|it| it.rays),
         images: measured
             .image
             .iter()
@@ -229,7 +230,7 @@ mod tests {
         assert_eq!(hidden.error_text(0), "below the noise of 1.20 %");
         assert_eq!(hidden.ratio_text(1), "unknown");
         assert_eq!(figures(0.0123, 1.0).error_text(1), "1.23 %");
-        let texts = [0.44, 9.6, 99.4, 99.6, 4_903.0].map(|it| figures(0.1, it).ratio_text(0));
-        assert_eq!(texts, ["0.4", "10", "99", "100", "4900"]);
+        let texts = [0.44, 2.16, 9.6, 99.4, 99.6, 4_903.0].map(|it| figures(0.1, it).ratio_text(0));
+        assert_eq!(texts, ["0.44", "2.2", "10", "99", "100", "4900"]);
     }
 }

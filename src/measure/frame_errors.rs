@@ -91,7 +91,7 @@ impl Compared {
     /// Frames from which the bake has paid, `bake_seconds` of processor time.
     pub(super) fn break_even(&self, which: usize, bake_seconds: f64) -> Option<f64> {
         let saved = self.paths[which].seconds - self.frame_ms / 1e3;
-        (saved > 0.0).then(|| (bake_seconds / saved).ceil())
+        (saved > 0.0 && saved.is_finite()).then(|| (bake_seconds / saved).ceil())
     }
 }
 

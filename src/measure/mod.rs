@@ -42,7 +42,7 @@ use crate::report::ReportError;
 pub use figures::MainFigures;
 pub use frames::{FrameTimes, LightCircle, NoLocalLight, Spread, StageTimes, time_frames};
 pub use report::{MeasuredReport, report};
-pub use run::ReportSettings;
+pub use run::{ReportSettings, report_seconds};
 
 /// Why something was not measured.
 #[derive(Debug, Error)]

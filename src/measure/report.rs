@@ -97,11 +97,9 @@ fn facts(measured: &Measured, figures: &MainFigures) -> Vec<Fact> {
             ),
         ));
     }
-    let reduced = figures.rays_of_ratios.map_or(String::new(), |rays| {
-        format!(", both by {}", rays_a_vertex(rays))
-    });
+    let rays = figures.rays_of_ratios.map_or(String::new(), rays_text);
     for &(bytes, ratio) in &figures.ratios_at_equal_bytes {
-        let note = format!("within {bytes:.0} bytes a vertex, one bounce{reduced}");
+        let note = format!("within {bytes:.0} bytes a vertex, one bounce, by {rays}");
         facts.push(fact(
             "paper's error / relume's",
             format!("{ratio:.2}"),
@@ -242,17 +240,18 @@ fn vertex_section(found: &Vertices, vertex_count: usize) -> Section {
 fn sweep_section(sweeps: &Sweeps) -> Section {
     let mut paragraphs = vec![
         "Every point is a bake of its own, measured at the same vertices under the same lights; \
-         what a sweep does not change has its default. Functions are those of the basis as \
+         what a sweep does not change, and the default, is as the scene asks for it or, of \
+         relume's own scheme where it asks for an error, as was found for that. Functions are those of the basis as \
          built: equal eigenvalues stay together. Bytes are those of the operator, without the \
          basis. Milliseconds are the least of several tries on all threads, of the bounces alone."
             .to_owned(),
     ];
-    if let Some(rays) = sweeps.reduced_to {
+    if sweeps.is_reduced {
         paragraphs.push(format!(
-            "{} fit into memory, which is fewer than the defaults have: functions and \
-             coefficients are swept by as many, rows marked \"default\" too, and so are the \
-             schemes compared at equal bytes. The sweep of rays has nothing in between.",
-            rays_a_vertex(rays)
+            "The points share their rays, which are kept in memory: functions and coefficients \
+             are swept by {}, fewer than the scene's bake has, rows marked \"default\" too. The \
+             sweep of rays has nothing in between.",
+            rays_text(sweeps.rays)
         ));
     }
     let mut blocks = Vec::new();
@@ -271,8 +270,12 @@ fn sweep_section(sweeps: &Sweeps) -> Section {
     }
 }
 
-fn rays_a_vertex(rays: u32) -> String {
-    format!("{rays} rays a vertex")
+/// Rays of relume's own scheme and of the published one.
+fn rays_text([relume, paper]: [u32; 2]) -> String {
+    match relume == paper {
+        true => format!("{relume} rays a vertex"),
+        false => format!("{relume} rays a vertex (the published scheme {paper})"),
+    }
 }
 
 fn glossy_section(measured: &Measured) -> Section {

@@ -20,7 +20,14 @@ use crate::surface::{KeptArrivals, Surface};
 /// Bytes that rays may take: those of all rows, which the bakes of the sweeps share,
 /// and those of the truth's. 43,000 vertices have room for as many rays as a bake
 /// traces, 75,000 for half of them, 120,000 for a quarter.
-const KEPT_BYTES: u64 = 5_000_000_000;
+const KEPT_BYTES: u64 = {
+    let most = isize::MAX as u64 / 2;
+    if most < 5_000_000_000 {
+        most
+    } else {
+        5_000_000_000
+    }
+};
 /// Beyond so many, the chapters of vertices and sweeps would take hours.
 const MOST_VERTICES: usize = 150_000;
 
@@ -74,9 +81,47 @@ pub(super) struct SchemeResult {
 /// Chapter of the sweeps.
 pub(super) struct Sweeps {
     pub(super) points: Vec<(Swept, Vec<Point>)>,
-    /// Rays a vertex of the sweeps of functions and coefficients, and most of that of
-    /// rays but for the default, where a bake has more than can be kept.
-    pub(super) reduced_to: Option<u32>,
+    /// Rays a vertex of both schemes in the sweeps of functions and coefficients, in
+    /// the order of [`Scheme::ALL`].
+    pub(super) rays: [u32; 2],
+    /// Whether some bake has more than that, which cannot all be kept.
+    pub(super) is_reduced: bool,
+}
+
+/// Seconds of the chapters of vertices and sweeps, of those of the bake; for a path of
+/// the reference; and for a pixel, which is gathered and traced by a few paths on one
+/// thread too. On two cores 188 to 228 s for 12,000 vertices (bakes of 16 to 20 s,
+/// 512 paths for each of 76,800 pixels), 2,112 s for 77,000 (one of 259 s, beside
+/// builds).
+const TRANSFER_OF_BAKE: f64 = 7.0;
+const SECONDS_A_PATH: f64 = 1e-6;
+const SECONDS_A_PIXEL: f64 = 5e-4;
+
+/// About how many seconds a report takes whose bake takes `bake_seconds` for so many
+/// vertices, on two threads; `None` where an error is asked for, whose bake nobody
+/// knows before it is found.
+pub fn report_seconds(
+    scene: &Scene,
+    settings: &ReportSettings,
+    vertices: usize,
+    bake_seconds: f64,
+) -> Option<f64> {
+    let transfer = if vertices > MOST_VERTICES {
+        0.0
+    } else {
+        TRANSFER_OF_BAKE * bake_seconds
+    };
+    let [width, height] = settings.frame.camera.size;
+    let pixels = f64::from(width) * f64::from(height);
+    let image = match scene.has_light() {
+        true => pixels * (f64::from(settings.samples) * SECONDS_A_PATH + SECONDS_A_PIXEL),
+        false => 0.0,
+    };
+    scene
+        .bake
+        .error
+        .is_none()
+        .then_some(bake_seconds + transfer + image)
 }
 
 /// Measures a scene; every figure is of this run.
@@ -196,12 +241,10 @@ fn transfer_chapters(
 }
 
 /// Rays a vertex that are kept of so many vertices: the most that the sweep of rays
-/// asks for within [`KEPT_BYTES`] and what one list may have, or the least of it.
+/// asks for within [`KEPT_BYTES`], or the least of it.
 fn kept_rays(vertices: usize) -> u32 {
     let bytes = |rays: u32| KeptArrivals::bytes_of(vertices as u64 * u64::from(rays));
-    let fits = |&rays: &u32| {
-        bytes(rays) + bytes(ROW_RAYS) <= KEPT_BYTES && bytes(rays) <= isize::MAX as u64
-    };
+    let fits = |&rays: &u32| bytes(rays) + bytes(ROW_RAYS) <= KEPT_BYTES;
     RAYS.into_iter().rev().find(fits).unwrap_or(RAYS[0])
 }
 
@@ -273,7 +316,6 @@ fn sweeps(
         most_rays,
     };
     let (mut defaults, mut starts) = (Vec::new(), Vec::new());
-    let mut reduced_to = None;
     for scheme in &vertices.schemes {
         let point = Point {
             uncut: Some(scheme.parts.uncut.mean),
@@ -288,7 +330,6 @@ fn sweeps(
                 ..scheme.settings
             };
             starts.push((settings, sweeper.start(&settings, run)?));
-            reduced_to = Some(most_rays);
         }
     }
     let points = Swept::ALL.into_iter().map(|swept| {
@@ -301,7 +342,8 @@ fn sweeps(
     });
     Ok(Sweeps {
         points: points.collect::<Result<_, BakeError>>()?,
-        reduced_to,
+        rays: [0, 1].map(|scheme| starts[scheme].0.rays),
+        is_reduced: (0..2).any(|scheme| starts[scheme].0.rays < defaults[scheme].0.rays),
     })
 }
 
@@ -309,6 +351,7 @@ fn sweeps(
 mod tests {
     use super::*;
 
+    #[cfg(target_pointer_width = "64")]
     #[test]
     fn rays_that_are_kept_fit_into_memory() {
         let found = [

@@ -7,7 +7,6 @@ use super::frame::FrameSettings;
 use crate::bake::{BakeForecast, OPEN_SHARE};
 use crate::scene::{LightKind, Material, PlacedLight, PlacedLights, Radiance, Scene};
 use crate::surface::Surface;
-use glam::Vec3;
 
 /// What lies ahead of a scene.
 #[derive(Debug, Clone, PartialEq)]
@@ -172,9 +171,7 @@ impl LightCounts {
                 LightKind::Environment(_) => counts.environment += 1,
             }
         }
-        let emits = |material: u32| scene.materials[material as usize].emission != Vec3::ZERO;
-        let triangles = scene.mesh.triangles.iter();
-        counts.emitting_triangles = triangles.filter(|t| emits(t.material)).count();
+        counts.emitting_triangles = scene.emitting_triangles().count();
         for source in PlacedLights::of(scene, &surface.placement).sources {
             match source {
                 PlacedLight::Surfaces(_) => counts.soft += 1,

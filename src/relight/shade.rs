@@ -6,7 +6,7 @@
 //! whose visibility differs within a pixel's 3 x 3 neighbourhood, or whose own
 //! edge (the rim of a cone) passes there, is asked for at every sample: by one
 //! shadow ray, or by a quarter of `light_samples` if it is no point. Colours of
-//! maps are means over the pixel; normals and depths are those of what covers most of
+//! maps are means over the pixel; normals and depths are those of the largest piece in
 //! it. All else stays where it is, so that direct and
 //! indirect light add up to both.
 
@@ -191,7 +191,7 @@ impl Shading<'_> {
         let share = |members: u32| members as f32 / 16.0;
         let uncovered = samples.iter().filter(|s| !s.is_covered()).count() as u32;
         if self.view.component.is_geometry() {
-            return (self.most_of_pixel(pixel, samples, uncovered), false);
+            return (self.largest_of_pixel(pixel, samples, uncovered), false);
         }
         let mut value = Vec3::ZERO;
         if uncovered > 0 {
@@ -206,16 +206,18 @@ impl Shading<'_> {
         (value, below_zero)
     }
 
-    /// The value of what covers most of a pixel's samples.
-    fn most_of_pixel(&self, pixel: usize, samples: &[Fragment; 16], uncovered: u32) -> Vec3 {
-        let mut most = (uncovered, Vec3::ZERO);
+    /// The value of the largest piece of a surface in a pixel, the first of equals;
+    /// nothing where surfaces cover less than half of it.
+    fn largest_of_pixel(&self, pixel: usize, samples: &[Fragment; 16], uncovered: u32) -> Vec3 {
+        let mut largest: Option<(usize, SurfaceGroup)> = None;
         for (site, group) in self.sites.groups(pixel) {
-            let covered = group.members.count_ones();
-            if covered > most.0 {
-                most = (covered, self.of_group(pixel, (site, group), samples).0);
+            let size = |group: SurfaceGroup| group.members.count_ones();
+            if largest.is_none_or(|(_, other)| size(group) > size(other)) {
+                largest = Some((site, group));
             }
         }
-        most.1
+        let seen = largest.filter(|_| uncovered <= 8);
+        seen.map_or(Vec3::ZERO, |it| self.of_group(pixel, it, samples).0)
     }
 
     /// The value of one surface of a pixel, and whether light from the basis was below

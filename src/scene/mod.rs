@@ -82,10 +82,18 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// Whether anything sends light: a light, or a material that emits.
+    /// Whether there is a light or a triangle that emits.
     pub fn has_light(&self) -> bool {
-        let emits = |it: &Material| it.emission != Vec3::ZERO;
-        !self.lights.is_empty() || self.materials.iter().any(emits)
+        !self.lights.is_empty() || self.emitting_triangles().next().is_some()
+    }
+
+    /// The triangles whose material emits.
+    pub(crate) fn emitting_triangles(&self) -> impl Iterator<Item = &MeshTriangle> {
+        let emits = |it: &&MeshTriangle| {
+            let material = &self.materials[it.material as usize];
+            material.emission != Vec3::ZERO
+        };
+        self.mesh.triangles.iter().filter(emits)
     }
 }
 

@@ -5,13 +5,13 @@ use rayon::prelude::*;
 
 use super::Arrival;
 
-/// A ray that escaped.
-const ESCAPED: u32 = u32::MAX;
+/// A ray that escaped; zeros are what the system has at hand.
+const ESCAPED: u32 = 0;
 
 /// Where the rays of every vertex arrive, as many of each.
 pub(crate) struct KeptArrivals {
     rays: u32,
-    /// Triangle x 2 + front, and the bits of the barycentric coordinates.
+    /// Triangle x 2 + front + 1, and the bits of the barycentric coordinates.
     sites: Vec<[u32; 4]>,
 }
 
@@ -20,7 +20,7 @@ impl KeptArrivals {
     pub(crate) fn untraced(rays: u32, vertices: usize) -> Self {
         Self {
             rays,
-            sites: vec![[ESCAPED; 4]; vertices * rays as usize],
+            sites: vec![[0; 4]; vertices * rays as usize],
         }
     }
 
@@ -73,13 +73,14 @@ impl KeptRows<'_> {
 fn site(arrival: Option<Arrival>) -> [u32; 4] {
     arrival.map_or([ESCAPED; 4], |it| {
         let [a, b, c] = it.barycentrics.map(f32::to_bits);
-        [it.triangle << 1 | u32::from(it.front), a, b, c]
+        [(it.triangle << 1 | u32::from(it.front)) + 1, a, b, c]
     })
 }
 
 fn arrival(site: &[u32; 4]) -> Option<Arrival> {
     let &[side, a, b, c] = site;
-    (side != ESCAPED).then(|| Arrival {
+    let side = side.checked_sub(1)?;
+    Some(Arrival {
         triangle: side >> 1,
         barycentrics: [a, b, c].map(f32::from_bits),
         front: side & 1 == 1,

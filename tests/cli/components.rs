@@ -11,7 +11,7 @@ use crate::program::{relume, render_box, render_box_command, scene, succeed, tem
 /// number. The sums differ in the order of their roundings alone, which leaves
 /// some 1e-7 on radiances of about 1.
 const SUM_TOLERANCE: f32 = 1e-5;
-/// A normal is the mean over a pixel, so it is at most of length 1.
+/// A normal is a unit vector.
 const ROUNDING: f32 = 1e-5;
 
 /// The constant is in every partition's basis, so means over the vertices stay;

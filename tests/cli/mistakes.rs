@@ -58,6 +58,13 @@ fn wrong_values_on_the_command_line() {
     refused(&["--simd", "avx9"], USAGE, &["avx9", "scalar", "auto"]);
     refused(&["--threads", "0"], USAGE, &["--threads", "1..=1024"]);
     refused(&["--wiht"], USAGE, &["--wiht"]);
+    for (error, word) in [
+        ("nan", "such as 0.02"),
+        ("x", "such as 0.02"),
+        ("-1", "bake.error"),
+    ] {
+        refused(&["--error", error], USAGE, &[error, word]);
+    }
     refused(
         &["--no-cache", "--cache-dir", "x"],
         USAGE,
@@ -233,6 +240,14 @@ fn assert_ends(finished: &Finished, exit_code: i32, words: &[&str]) {
         let said = finished.stderr.contains(word);
         assert!(said, "nothing says {word:?}: {finished:#?}");
     }
+}
+
+#[test]
+fn a_mesh_is_no_scene() {
+    let mesh = scene("cornell").with_extension("obj");
+    let mut command = relume(&["render", "-o", "frame.png"]);
+    let finished = run(command.arg(mesh));
+    assert_ends(&finished, USAGE, &["cornell.obj:", "give the TOML file"]);
 }
 
 #[test]

@@ -69,13 +69,13 @@ pub(in crate::measure) fn image_times(compared: &[Compared], bake_seconds: f64) 
             rows.push(Row::plain(vec![
                 it.name().into(),
                 means.into(),
-                in_percent(it.rms[which].corrected()),
+                known(it.rms[which].corrected() * 100.0),
                 in_percent(paths.error_of_one),
-                Cell::Number(paths.samples),
+                known(paths.samples),
                 Cell::Number(it.seconds_a_sample),
-                Cell::Number(paths.seconds),
+                known(paths.seconds),
                 Cell::Number(it.frame_ms),
-                Cell::Number(it.ratios()[which]),
+                known(it.ratios()[which]),
                 it.break_even(which, bake_seconds).into(),
             ]));
         }
@@ -95,10 +95,16 @@ pub(in crate::measure) fn image_times(compared: &[Compared], bake_seconds: f64) 
     table(
         "time-at-equal-error",
         "Time of one thread at which the path tracer is as wrong as a frame, by its error at few \
-         paths and 1 / sqrt(paths). Break-even: frames after which the bake has paid.",
+         paths and 1 / sqrt(paths); empty where the reference's noise hides the frame's error. \
+         Break-even: frames after which the bake has paid.",
         columns,
         rows,
     )
+}
+
+/// A value above zero that is known, or nothing.
+fn known(value: f64) -> Cell {
+    Some(value).filter(|it| *it > 0.0 && it.is_finite()).into()
 }
 
 /// How the path tracer's error falls.
@@ -109,11 +115,13 @@ pub(in crate::measure) fn path_errors(compared: &[Compared]) -> Block {
         for (which, means) in ["pixels", "8 x 8"].into_iter().enumerate() {
             let paths = &it.paths[which];
             let label = format!("{}, {means}", it.name());
-            marks.push(Mark {
-                label: format!("frame: {label}"),
-                x: paths.samples,
-                y: it.rms[which].corrected() * 100.0,
-            });
+            if paths.samples.is_finite() {
+                marks.push(Mark {
+                    label: format!("frame: {label}"),
+                    x: paths.samples,
+                    y: it.rms[which].corrected() * 100.0,
+                });
+            }
             series.push(Series {
                 label,
                 points: paths.tried.iter().map(|&(x, y)| (x, y * 100.0)).collect(),

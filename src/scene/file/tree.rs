@@ -112,7 +112,7 @@ pub(crate) fn parse_document(text: &str, path: &Path) -> Result<Table, SceneErro
         SceneError::Syntax {
             place: index.place(offset).to_string(),
             message: if is_mesh {
-                "a scene is a TOML file that names its mesh (mesh = \"room.obj\"); give that file"
+                "a scene is a TOML file that names its mesh (mesh = \"room.obj\"); give the TOML file"
                     .to_owned()
             } else {
                 format!("not valid TOML: {}", error.message())
