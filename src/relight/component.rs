@@ -201,12 +201,6 @@ impl Component {
         }
     }
 
-    /// Whether it tells where and how a surface lies: of two surfaces in a pixel there
-    /// is no mean.
-    pub(super) fn is_geometry(self) -> bool {
-        matches!(self, Self::Normal | Self::Depth)
-    }
-
     /// Whether it shows what emits light.
     pub(super) fn shows_emission(self) -> bool {
         matches!(self, Self::Global | Self::Direct | Self::ApproximatedDirect)

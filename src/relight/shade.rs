@@ -6,9 +6,8 @@
 //! whose visibility differs within a pixel's 3 x 3 neighbourhood, or whose own
 //! edge (the rim of a cone) passes there, is asked for at every sample: by one
 //! shadow ray, or by a quarter of `light_samples` if it is no point. Colours of
-//! maps are means over the pixel; normals and depths are those of the largest piece in
-//! it. All else stays where it is, so that direct and
-//! indirect light add up to both.
+//! maps are means over the pixel; a depth is that of the largest piece in it. All
+//! else stays where it is, so that direct and indirect light add up to both.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -190,7 +189,8 @@ impl Shading<'_> {
     fn pixel_of_surfaces(&self, pixel: usize, samples: &[Fragment; 16]) -> (Vec3, bool) {
         let share = |members: u32| members as f32 / 16.0;
         let uncovered = samples.iter().filter(|s| !s.is_covered()).count() as u32;
-        if self.view.component.is_geometry() {
+        if self.view.component == Component::Depth {
+            // Between two surfaces there is none.
             return (self.largest_of_pixel(pixel, samples, uncovered), false);
         }
         let mut value = Vec3::ZERO;
