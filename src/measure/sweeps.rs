@@ -13,9 +13,9 @@ use crate::maths::order::Order;
 use crate::relight::Transport;
 use crate::scene::Bounces;
 
-/// Points of the sweeps, ascending. (At 256 coefficients relume's own scheme, which leaves out
-/// components that are noise, has 130 bytes a vertex: 512 bring it to those of the
-/// published scheme.)
+/// Points of the sweeps, ascending. (At 256 coefficients relume's own scheme, which
+/// leaves out components that are noise, has 130 bytes a vertex: 512 bring it to those
+/// of the published scheme.)
 const FUNCTIONS: [u32; 7] = [32, 64, 128, 256, 512, 1024, 2048];
 const COEFFICIENTS: [u32; 6] = [16, 32, 64, 128, 256, 512];
 pub(super) const RAYS: [u32; 5] = [384, 768, 1536, 3072, DEFAULT_RAYS];

@@ -52,9 +52,9 @@ impl PixelPoints {
         self.directions.point(self.first + ray)
     }
 
-    /// The point of a light that one of the pixel's rays asks for where it arrives. (In the order of the
-    /// rays a direction would choose the point of the light, and whole tiles would have
-    /// the shadow of a part of it.)
+    /// The point of a light that one of the pixel's rays asks for where it arrives. (In
+    /// the order of the rays a direction would choose the point of the light, and whole
+    /// tiles would have the shadow of a part of it.)
     pub(super) fn of_lights(&self, ray: u32) -> LightPoints {
         LightPoints {
             set: self.lights,
