@@ -192,7 +192,7 @@ impl KeptDirect {
 }
 
 /// What the skies do to the vertices, by the cells of the sky; no entry where
-/// they do nothing.
+/// they do nothing. Negative values may remain, as in bounced light.
 fn sky_irradiance(
     surface: &Surface,
     bake: &Bake,
@@ -210,8 +210,7 @@ fn sky_irradiance(
     });
     let mut at_vertices = vec![Vec3::ZERO; in_slots.len()];
     for (&vertex, &e) in bake.basis().vertex_of_slot().iter().zip(&in_slots) {
-        // A basis rings; light is not negative.
-        at_vertices[vertex as usize] = Vec3::from_array(e.map(|e| if e > 0.0 { e } else { 0.0 }));
+        at_vertices[vertex as usize] = Vec3::from_array(e);
     }
     at_vertices
 }

@@ -322,6 +322,7 @@ impl Shading<'_> {
         let glossy = gathered.map(|it| it.glossy).or_else(by_slices);
         let (glossy, glossy_dark) = clamped(glossy.unwrap_or(Vec3::ZERO));
         let (indirect, dark) = clamped(indirect);
+        let (sky, sky_dark) = clamped(sky);
         let (approximated, darker) = clamped(self.interpolated(fragment, view.approximated));
         let shaded = Shaded {
             direct: direct + sky,
@@ -340,7 +341,7 @@ impl Shading<'_> {
         };
         (
             shown(view.component, &shaded),
-            dark || darker || glossy_dark,
+            dark || darker || sky_dark || glossy_dark,
         )
     }
 
