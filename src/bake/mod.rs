@@ -102,12 +102,18 @@ use crate::surface::Surface;
 
 /// Seed of the lights that a bake states its error for. The prior lights, the
 /// search for an error and the reports have seeds of their own.
-const STATED_SEED: u32 = 0x57a7ed;
+const STATED_SEED: u32 = 0x57a7_eb11;
 /// Seeds of all lights that a bake is chosen or measured by.
 #[cfg(test)]
 pub(crate) fn light_seeds() -> Vec<u32> {
     let [choosing, reporting] = prior::SEEDS;
     vec![STATED_SEED, budget::SEED, choosing, reporting]
+}
+
+/// Seeds of the rays of truths that a bake is chosen or measured by.
+#[cfg(test)]
+pub(crate) fn truth_seeds() -> Vec<u32> {
+    [audit::TRUE_SEEDS, budget::TRUE_SEEDS].concat()
 }
 
 /// Constants that the table of methods chose, by the names of its knobs.

@@ -9,9 +9,6 @@ use super::transfer::vertex_rays;
 use crate::simd::Level;
 use crate::surface::Surface;
 
-/// Seeds of the two halves of the truth.
-const TRUE_SEEDS: [u32; 2] = [0x51d_e001, 0x51d_e002];
-
 /// Vertices that are looked at: whole groups of eight.
 pub(crate) struct Receivers {
     groups: Vec<(u32, u32)>,
@@ -169,16 +166,15 @@ pub(crate) struct Truth {
 }
 
 impl Truth {
+    /// By so many rays of each of two seeds.
     pub(crate) fn sample(
-        surface: &Surface,
-        basis: &Basis,
-        level: Level,
+        (surface, basis, level): (&Surface, &Basis, Level),
         receivers: &Receivers,
-        rays: u32,
+        (seeds, rays): ([u32; 2], u32),
         fields: &Fields,
     ) -> Self {
         let slots: Vec<usize> = receivers.slots().collect();
-        let halves = TRUE_SEEDS.map(|seed| {
+        let halves = seeds.map(|seed| {
             let rows = slots.par_iter().with_min_len(4);
             rows.map(|&slot| true_row(surface, basis, level, [seed, slot as u32], rays, fields))
                 .collect::<Fields>()

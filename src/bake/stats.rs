@@ -104,21 +104,89 @@ impl BakeStats {
     /// reached: by how much, why, and which key would help.
     pub fn shortfall(&self) -> Option<String> {
         let asked = self.error_asked?;
-        let reached = self.errors.total.mean;
-        if reached <= asked {
+        let reached = self.errors.total;
+        if reached.lights == 0 {
+            let asked = percent(asked);
+            return Some(format!(
+                "no test light brings indirect light: whether it is within {asked}, as was asked for, is not known"
+            ));
+        }
+        if reached.mean <= asked {
             return None;
         }
-        let percent = |error: f64| format!("{:.1} %", error * 100.0);
-        let cause = if self.errors.basis.mean > self.errors.noise.mean {
-            "the functions of the basis cannot follow the light on vertices this far apart: \
-             bake.functions or a smaller bake.max_edge would help"
+        let cause = if self.errors.is_of_basis() {
+            "the functions of the basis cannot follow the light on vertices this far apart: more \
+             bake.functions, or a smaller bake.max_edge (and more bake.vertices where they are the \
+             limit) would help"
+        } else if self.errors.is_of_coefficients() {
+            "too much of the transfer is left out: more bake.coefficients would help"
         } else {
             "the rays are too few: more bake.rays would help"
         };
         Some(format!(
             "indirect light is within {} in the mean of test lights, {} were asked for; {cause}",
-            percent(reached),
+            percent(reached.mean),
             percent(asked),
         ))
+    }
+}
+
+fn percent(error: f64) -> String {
+    format!("{:.2} %", error * 100.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn of_mean(mean: f64) -> LightErrors {
+        LightErrors {
+            mean,
+            lights: 64,
+            ..LightErrors::default()
+        }
+    }
+
+    /// What a bake says that was asked for 2 %, by the parts of its error.
+    fn said(total: f64, [basis, compression, noise]: [f64; 3]) -> Option<String> {
+        let errors = ErrorParts {
+            total: of_mean(total),
+            basis: of_mean(basis),
+            compression: of_mean(compression),
+            noise: of_mean(noise),
+            ..ErrorParts::default()
+        };
+        let stats = BakeStats {
+            error_asked: Some(0.02),
+            errors,
+            ..BakeStats::default()
+        };
+        stats.shortfall()
+    }
+
+    #[test]
+    fn a_shortfall_names_the_key_that_would_help() {
+        let key_of = |total, parts| {
+            let text = said(total, parts).expect("it falls short");
+            assert!(text.contains("2.00 % were asked for"), "{text}");
+            ["functions", "coefficients", "rays"]
+                .into_iter()
+                .filter(|key| text.contains(&format!("more bake.{key}")))
+                .collect::<Vec<_>>()
+        };
+        assert_eq!(key_of(0.03, [0.025, 0.01, 0.01]), ["functions"]);
+        assert_eq!(key_of(0.03, [0.006, 0.014, 0.004]), ["coefficients"]);
+        assert_eq!(key_of(0.0201, [0.006, 0.014, 0.015]), ["rays"]);
+        assert_eq!(said(0.02, [0.02, 0.01, 0.01]), None);
+    }
+
+    #[test]
+    fn an_error_of_no_light_is_not_called_reached() {
+        let stats = BakeStats {
+            error_asked: Some(0.02),
+            ..BakeStats::default()
+        };
+        let text = stats.shortfall().expect("nothing is known");
+        assert!(text.contains("no test light"), "{text}");
     }
 }

@@ -111,7 +111,16 @@ pub(super) fn errors(errors: &LightErrors) -> Value {
         "p95": errors.p95,
         "worst": errors.worst,
         "signed": errors.signed,
+        "lights": errors.lights,
     })
+}
+
+/// How exact indirect light is.
+fn error_text(errors: &LightErrors) -> String {
+    if errors.lights == 0 {
+        return "no test light brings indirect light".to_owned();
+    }
+    format!("indirect light within {:.1} %", errors.mean * 100.0)
 }
 
 /// What is to be said of folded bounces.
@@ -131,11 +140,11 @@ pub(super) fn figures_text(figures: &SceneFigures) -> String {
     match figures.bake {
         None => mesh,
         Some(bake) => format!(
-            "{mesh}, {} functions, {:.0} coefficients a vertex, indirect light within {:.1} %{}, \
+            "{mesh}, {} functions, {:.0} coefficients a vertex, {}{}, \
              bake of {:.1} MB {}",
             bake.functions,
             bake.coefficients_per_vertex,
-            bake.stats.errors.total.mean * 100.0,
+            error_text(&bake.stats.errors.total),
             folding_text(&bake),
             bake.bytes as f64 / 1e6,
             if bake.cached {
