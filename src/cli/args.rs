@@ -172,7 +172,8 @@ pub(super) struct Measure {
     #[command(flatten)]
     pub(super) frame: FrameArguments,
     /// Folder for the report on speed and error, made if it is missing; open
-    /// report.html there. Bakes anew, whatever the cache has.
+    /// report.html there. Its frames have 320x240 pixels if not said. Bakes anew,
+    /// whatever the cache has, and takes up to 7 GB of memory.
     #[arg(short, long, value_name = "DIR")]
     pub(super) output: Option<PathBuf>,
     /// Paths a pixel of the report's path-traced reference.
@@ -227,24 +228,26 @@ pub(super) struct FrameArguments {
     pub(super) bounces: Option<Bounces>,
 }
 
+/// Heading of [`Run`] in the help: options of a command come before it.
+const RUNNING: &str = "Running (changes no pixel)";
+
 /// How to run: nothing here changes a pixel.
 #[derive(Debug, Args)]
-#[command(next_help_heading = "Running (changes no pixel)")]
 pub(super) struct Run {
     /// Threads to use; default: all processors.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    #[arg(long, help_heading = RUNNING, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub(super) threads: Option<u16>,
     /// Widest instructions to use: scalar, sse2, avx2 or auto.
-    #[arg(long, default_value = "auto", value_parser = parse_simd, value_name = "LEVEL")]
+    #[arg(long, help_heading = RUNNING, default_value = "auto", value_parser = parse_simd, value_name = "LEVEL")]
     pub(super) simd: SimdLevel,
     /// Folder for bakes, instead of the user's cache folder.
-    #[arg(long, value_name = "DIR")]
+    #[arg(long, help_heading = RUNNING, value_name = "DIR")]
     pub(super) cache_dir: Option<PathBuf>,
     /// Neither read nor write bakes.
-    #[arg(long, conflicts_with = "cache_dir")]
+    #[arg(long, help_heading = RUNNING, conflicts_with = "cache_dir")]
     pub(super) no_cache: bool,
     /// Print one JSON object on standard output, and nothing else there.
-    #[arg(long)]
+    #[arg(long, help_heading = RUNNING)]
     pub(super) json: bool,
 }
 

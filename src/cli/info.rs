@@ -71,6 +71,7 @@ fn object(outlook: &Outlook) -> Value {
         "folded_bytes": bake.folded_bytes,
         "peak_bytes": bake.peak_bytes + contents.images.bytes,
         "bake_seconds": bake.seconds,
+        "error_asked": outlook.error_asked,
         "size": outlook.frame.camera.size,
         "bounces": match outlook.frame.bounces {
             Bounces::All => json!("all"),
@@ -240,8 +241,11 @@ fn bake_text(outlook: &Outlook) -> String {
     if bake.cached {
         return format!("cached, {}, {rows}: nothing to do", megabytes(bake.bytes));
     }
+    let search = outlook
+        .error_asked
+        .map_or(String::new(), |error| format!("; {}", search_text(error)));
     format!(
-        "not cached: about {}, {}, {rows}; {} of memory",
+        "not cached: about {}, {}, {rows}; {} of memory{search}",
         seconds(bake.seconds),
         megabytes(bake.bytes),
         megabytes(bake.peak_bytes + outlook.contents.images.bytes),
@@ -331,16 +335,30 @@ pub(super) fn announce_report(
     Ok(())
 }
 
+/// What a forecast does not know.
+fn search_text(error: f64) -> String {
+    format!(
+        "a search for {} comes first and may change rays, functions and coefficients, and with \
+         them all of this",
+        percent(error)
+    )
+}
+
 /// Says on standard error how long the bake will take, if it is long.
 pub(super) fn announce_bake(renderer: &mut Renderer, arguments: &Run) -> Result<(), CliError> {
     // The forecast itself takes a moment; no small scene is worth it.
     if renderer.figures().vertices < LONG_BAKE_VERTICES {
         return Ok(());
     }
-    let bake = with_run(arguments, |run| Ok(renderer.outlook(run)?.bake))?;
+    let outlook = with_run(arguments, |run| Ok(renderer.outlook(run)?))?;
+    let bake = outlook.bake;
     if bake.seconds > LONG_BAKE {
+        let rest = match outlook.error_asked {
+            Some(error) => search_text(error),
+            None => "`relume info` says more".to_owned(),
+        };
         say(&[format!(
-            "bake: about {}, {}; `relume info` says more",
+            "bake: about {}, {}; {rest}",
             seconds(bake.seconds),
             megabytes(bake.bytes)
         )]);

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use relume::measure::{FrameTimes, LightCircle, MainFigures, ReportSettings, Spread, time_frames};
-use relume::{Bounces, FrameSettings, OutputError, Renderer, SimdLevel, write_folder};
+use relume::{Bounces, FrameSettings, OutputError, Renderer, Scheme, SimdLevel, write_folder};
 use serde_json::{Map, Value, json};
 
 use super::args::Measure;
@@ -24,6 +24,9 @@ pub(super) fn execute(arguments: &Measure) -> Result<Report, CliError> {
                 .to_owned(),
         )),
         (None, Some(frames)) => timed(arguments, frames),
+        (Some(_), _) if arguments.scene.scheme == Scheme::Paper => Err(CliError::Usage(
+            "a report measures both schemes; --scheme is for --frames alone".to_owned(),
+        )),
         (Some(folder), None) => measured(arguments, folder),
         (Some(folder), Some(frames)) => {
             check_report_folder(folder)?;
@@ -36,9 +39,12 @@ pub(super) fn execute(arguments: &Measure) -> Result<Report, CliError> {
     }
 }
 
-/// Refuses before minutes of work what cannot become a folder.
+/// Refuses before minutes of work what cannot become a folder, and one that nothing
+/// can be written to.
 fn check_report_folder(folder: &Path) -> Result<(), CliError> {
-    std::fs::create_dir_all(folder).map_err(|source| {
+    let made = std::fs::create_dir_all(folder);
+    let written = made.and_then(|()| tempfile::tempfile_in(folder));
+    written.map(drop).map_err(|source| {
         CliError::Output(OutputError::Write {
             path: folder.to_owned(),
             source,
@@ -187,7 +193,10 @@ fn timed(arguments: &Measure, frames: u32) -> Result<Report, CliError> {
     let settings = FrameSettings::of_scene(&scene);
     let run = &arguments.scene.run;
     let folder = cache_folder(run);
-    let mut renderer = with_run(run, |_| Ok(Renderer::new(scene, folder.as_deref())))?;
+    let scheme = arguments.scene.scheme;
+    let mut renderer = with_run(run, |_| {
+        Ok(Renderer::with_scheme(scene, folder.as_deref(), scheme))
+    })?;
     warn(renderer.take_warnings());
     if renderer.needs_bake(&settings) {
         announce_bake(&mut renderer, run)?;
@@ -197,8 +206,10 @@ fn timed(arguments: &Measure, frames: u32) -> Result<Report, CliError> {
     })?;
     warn(renderer.take_warnings());
     let vertices = renderer.figures().vertices;
+    let mut json = object(&times, &settings, vertices);
+    json["scheme"] = json!(scheme.name());
     Ok(Report {
-        json: object(&times, &settings, vertices),
+        json,
         text: text(&times, &settings, vertices),
         exit_code: 0,
     })

@@ -2,9 +2,8 @@
 
 use super::frame_errors::Compared;
 use super::methods;
-use super::run::{Measured, Sweeps, Vertices};
+use super::run::{Measured, Vertices};
 use super::statistics::over_lights;
-use super::sweeps::{Point, Swept};
 use super::tables;
 use super::vertices::test_lights;
 use crate::bake::{LightErrors, Scheme};
@@ -137,9 +136,9 @@ pub(super) fn main_figures(measured: &Measured) -> MainFigures {
         let noise = found.truth.noise();
         noise.map(|by_light| over_lights(&test_lights(&by_light), |_| true).mean)
     };
-    let points = measured.sweeps.as_ref().and_then(coefficients);
-    let equal = points
-        .map(|points| tables::at_equal_bytes(points, 0))
+    let sweeps = measured.sweeps.as_ref();
+    let equal = sweeps
+        .map(|sweeps| tables::at_equal_bytes(&sweeps.points, 0))
         .unwrap_or_default();
     let bake_seconds = measured.bake_seconds * measured.threads as f64;
     MainFigures {
@@ -160,7 +159,7 @@ pub(super) fn main_figures(measured: &Measured) -> MainFigures {
             .into_iter()
             .filter_map(|(bytes, errors)| Some((bytes, tables::ratio(errors)?)))
             .collect(),
-        rays_of_ratios: measured.sweeps.as_ref().map(|it| it.rays),
+        rays_of_ratios: sweeps.map(|it| it.rays),
         images: measured
             .image
             .iter()
@@ -197,14 +196,6 @@ fn image_figures(it: &Compared, bake_seconds: f64) -> ImageFigures {
         ratios: it.ratios(),
         break_even_frames: [0, 1].map(|which| it.break_even(which, bake_seconds)),
     }
-}
-
-fn coefficients(sweeps: &Sweeps) -> Option<&[Point]> {
-    let found = sweeps
-        .points
-        .iter()
-        .find(|(swept, _)| *swept == Swept::Coefficients);
-    found.map(|(_, points)| points.as_slice())
 }
 
 #[cfg(test)]

@@ -5,7 +5,6 @@ use super::frame_errors::{blocks, half, mean, traced};
 use super::statistics::root_of_difference;
 use crate::bake::RunSettings;
 use crate::frame::{Image, compare};
-use crate::maths::order::Order;
 use crate::reference::{GlossyBounces, ReferencePart, ReferenceSettings};
 use crate::relight::{Component, FrameSettings, Quality, Renderer};
 
@@ -27,7 +26,8 @@ pub(super) struct GlossyError {
     pub(super) relative_rmse: f64,
     /// The reference's noise of the same.
     pub(super) noise: f64,
-    /// Mean over the reference's mean, less 1.
+    /// Mean over the reference's mean, less 1; infinite where that is black and the
+    /// frame is not.
     pub(super) bias: f64,
 }
 
@@ -99,14 +99,10 @@ fn one(
     // Half the difference of the halves is the noise of their mean.
     let noise = of(&reference, &halves[0]).relative_rmse;
     let found = of(&reference, &image);
-    let sum = |image: &Image| -> f64 {
-        let pixels = image.pixels().iter();
-        pixels.map(|p| f64::from(p.element_sum())).sum()
-    };
     Ok(GlossyError {
         roughness: 0.0,
         relative_rmse: root_of_difference(found.relative_rmse, noise),
         noise,
-        bias: sum(&image) / sum(&reference).at_least(f64::MIN_POSITIVE) - 1.0,
+        bias: found.bias,
     })
 }

@@ -42,6 +42,8 @@ pub(super) struct Variant {
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Knob {
     pub(super) name: String,
+    /// Why the chosen variant was.
+    pub(super) reason: String,
     pub(super) variants: Vec<Variant>,
 }
 
@@ -68,6 +70,7 @@ pub(super) fn knobs() -> Vec<Knob> {
         if knobs.last().is_none_or(|last| last.name != knob) {
             knobs.push(Knob {
                 name: knob.to_owned(),
+                reason: reason(knob).unwrap_or_default(),
                 variants: Vec::new(),
             });
         }
@@ -97,6 +100,15 @@ fn remarks() -> Vec<String> {
     TABLE.lines().filter_map(remark).collect()
 }
 
+/// Why the chosen variant of a knob was, as the head of the table says.
+fn reason(knob: &str) -> Option<String> {
+    let of_knob = |line: &str| {
+        let (name, reason) = line.strip_prefix("#= ")?.split_once(": ")?;
+        (name == knob).then(|| reason.to_owned())
+    };
+    TABLE.lines().find_map(of_knob)
+}
+
 /// The chapter.
 pub(super) fn section() -> Section {
     let knobs = knobs();
@@ -118,8 +130,8 @@ pub(super) fn section() -> Section {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bake::{BakeSettings, chosen_by, light_seeds};
-    use crate::measure::vertices::LIGHT_SEED;
+    use crate::bake::{BakeSettings, chosen_by, light_seeds, truth_seeds};
+    use crate::measure::vertices::{LAST_SEEDS, LIGHT_SEED, ROW_SEEDS};
     use crate::scene::BakeKeys;
 
     /// Head of the table's columns.
@@ -148,6 +160,7 @@ mod tests {
             let chosen = knob.variants.iter().filter(|variant| variant.chosen);
             assert_eq!(chosen.count(), 1, "{}", knob.name);
             assert!(knob.variants.len() > 1, "{}", knob.name);
+            assert!(!knob.reason.is_empty(), "{}: why?", knob.name);
             let counts = knob.variants.iter().map(|variant| variant.findings.len());
             let counts: std::collections::BTreeSet<usize> = counts.collect();
             assert_eq!(counts.len(), 1, "{}: all in the same scenes", knob.name);
@@ -195,8 +208,15 @@ mod tests {
 
     #[test]
     fn choosing_has_seen_no_light_of_a_report_or_a_bake() {
-        let seed = recorded_seed();
-        assert_ne!(seed, LIGHT_SEED);
-        assert!(!light_seeds().contains(&seed));
+        let mut lights = light_seeds();
+        lights.extend([recorded_seed(), LIGHT_SEED]);
+        let mut truths = truth_seeds();
+        truths.extend([ROW_SEEDS, LAST_SEEDS].concat());
+        for mut seeds in [lights, truths] {
+            let count = seeds.len();
+            seeds.sort_unstable();
+            seeds.dedup();
+            assert_eq!(seeds.len(), count, "two are one: {seeds:x?}");
+        }
     }
 }

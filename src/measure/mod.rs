@@ -18,6 +18,7 @@
 //! Errors are those of both schemes in one run. The lights, the truth and the
 //! reference have seeds that no bake uses, to choose by or to state its error.
 
+mod contacts;
 mod figures;
 mod frame_errors;
 mod frames;

@@ -3,10 +3,9 @@
 
 use glam::Vec3;
 
-use super::statistics::root_of_difference;
+use super::statistics::{ByLight, root_of_difference};
 use crate::bake::{Bake, BakeError, RunSettings, StudyLight, TestKind};
 use crate::maths::hash::uniform;
-use crate::maths::order::Order;
 use crate::reference::{AtVertex, AtVertices, indirect_irradiance};
 use crate::relight::Transport;
 use crate::scene::{Bounces, PlacedLight, Scene};
@@ -26,13 +25,29 @@ const KINDS: [TestKind; 3] = [TestKind::Point, TestKind::Spot, TestKind::Sun];
 /// What one light showed.
 pub(super) struct LightAgainstPaths {
     pub(super) kind: TestKind,
-    /// Root mean square over the area, relative: as found, and with the paths' own
-    /// noise taken off.
-    pub(super) errors: [f64; 2],
+    /// What averaging its direct light over a few points of each area costs, one
+    /// bounce; part of the error.
+    pub(super) vertex_sampling: Option<f64>,
+    /// `None` where none of it reaches the vertices that are looked at.
+    pub(super) found: Option<AgainstPaths>,
+}
+
+/// Relative errors of one light.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct AgainstPaths {
+    /// Root mean square over the area, the paths' own noise in it.
+    pub(super) error: f64,
     /// Of the sum.
     pub(super) signed: f64,
-    /// Standard error of the paths, relative: of a vertex and of the sum.
+    /// Standard error of the paths: of a vertex and of the sum.
     pub(super) noise: [f64; 2],
+}
+
+impl AgainstPaths {
+    /// The error with the paths' noise taken off; `None` where that hides it.
+    pub(super) fn corrected(&self) -> Option<f64> {
+        Some(root_of_difference(self.error, self.noise[0])).filter(|&error| error > 0.0)
+    }
 }
 
 /// What the comparison needs.
@@ -49,15 +64,16 @@ pub(super) struct Subject<'a> {
 pub(super) fn against_paths(
     subject: &Subject,
     lights: &[StudyLight],
+    vertex_sampling: &ByLight,
     run: &RunSettings,
 ) -> Result<Vec<[LightAgainstPaths; 2]>, BakeError> {
     let vertices = random_vertices(subject.surface);
-    let chosen = choose(lights);
+    let chosen = chosen(lights, vertex_sampling);
     run.progress
         .stage("paths at vertices", (chosen.len() * vertices.len()) as u64);
     chosen
         .into_iter()
-        .map(|(kind, light)| {
+        .map(|(number, light)| {
             let what = AtVertices {
                 vertices: &vertices,
                 bounces: BOUNCES,
@@ -68,7 +84,11 @@ pub(super) fn against_paths(
                 .ok_or(BakeError::Cancelled)?;
             Ok(subject.bakes.map(|bake| {
                 let irradiance = relit(subject, bake, light, run);
-                compared(subject.surface, kind, &vertices, &paths, &irradiance)
+                LightAgainstPaths {
+                    kind: lights[number].kind,
+                    vertex_sampling: vertex_sampling[number].map(|[error, _]| error),
+                    found: compared(subject.surface, &vertices, &paths, &irradiance),
+                }
             }))
         })
         .collect()
@@ -87,22 +107,26 @@ fn random_vertices(surface: &Surface) -> Vec<u32> {
         .collect()
 }
 
-fn choose(lights: &[StudyLight]) -> Vec<(TestKind, &PlacedLight)> {
+/// A light of each kind: the middle one of those that arrive, in their order, which
+/// is that of how evenly they light the scene. The first ones of a kind light next to
+/// nothing of it.
+fn chosen<'a>(lights: &'a [StudyLight], arriving: &ByLight) -> Vec<(usize, &'a PlacedLight)> {
     let mut chosen: Vec<usize> = Vec::new();
     for kind in KINDS {
         let find = |kind: TestKind, chosen: &[usize]| {
-            lights.iter().enumerate().position(|(number, light)| {
-                light.kind == kind && light.placed.is_some() && !chosen.contains(&number)
-            })
+            let is_one = |&number: &usize| {
+                let light = &lights[number];
+                let is_placed = light.kind == kind && light.placed.is_some();
+                is_placed && arriving[number].is_some() && !chosen.contains(&number)
+            };
+            let all: Vec<usize> = (0..lights.len()).filter(is_one).collect();
+            all.get(all.len() / 2).copied()
         };
         let found = find(kind, &chosen).or_else(|| find(TestKind::Point, &chosen));
         chosen.extend(found);
     }
-    let of = |number: &usize| {
-        let light = &lights[*number];
-        light.placed.as_ref().map(|placed| (light.kind, placed))
-    };
-    chosen.iter().filter_map(of).collect()
+    let of = |number: usize| Some((number, lights[number].placed.as_ref()?));
+    chosen.into_iter().filter_map(of).collect()
 }
 
 /// Indirect irradiance as a frame has it.
@@ -123,11 +147,10 @@ fn relit(subject: &Subject, bake: &Bake, light: &PlacedLight, run: &RunSettings)
 
 fn compared(
     surface: &Surface,
-    kind: TestKind,
     vertices: &[u32],
     paths: &[AtVertex],
     irradiance: &[Vec3],
-) -> LightAgainstPaths {
+) -> Option<AgainstPaths> {
     let (mut squares, mut all, mut variance) = (0.0, 0.0, 0.0);
     let (mut sum, mut total, mut variance_of_sum) = (0.0, 0.0, 0.0);
     for (&vertex, path) in vertices.iter().zip(paths) {
@@ -143,13 +166,50 @@ fn compared(
         // Channels of one path go together.
         variance_of_sum += 3.0 * area * area * own;
     }
-    let all = f64::at_least(all, f64::MIN_POSITIVE);
-    let total = f64::at_least(total, f64::MIN_POSITIVE);
-    let [found, noise] = [squares / all, variance / all].map(f64::sqrt);
-    LightAgainstPaths {
-        kind,
-        errors: [found, root_of_difference(found, noise)],
+    let [error, noise] = [squares / all, variance / all].map(f64::sqrt);
+    (total > 0.0).then_some(AgainstPaths {
+        error,
         signed: sum / total,
         noise: [noise, variance_of_sum.sqrt() / total],
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lights_are_the_middle_of_those_that_arrive() {
+        let sun = || Some(PlacedLight::unit_directional(Vec3::NEG_Y));
+        let kinds = [TestKind::Point, TestKind::Sun, TestKind::Sky];
+        let lights: Vec<StudyLight> = kinds
+            .into_iter()
+            .flat_map(|kind| [kind; 4])
+            .map(|kind| StudyLight {
+                kind,
+                placed: if kind == TestKind::Sky { None } else { sun() },
+            })
+            .collect();
+        let mut arriving: ByLight = vec![Some([0.1, 0.0]); lights.len()];
+        let numbers = |arriving: &ByLight| {
+            let chosen = chosen(&lights, arriving).into_iter();
+            chosen.map(|(number, _)| number).collect::<Vec<_>>()
+        };
+        assert_eq!(numbers(&arriving), [2, 3, 6], "a second point for the spot");
+        arriving[..4].fill(None);
+        arriving[6] = None;
+        assert_eq!(numbers(&arriving), [5], "dark points are none");
+    }
+
+    #[test]
+    fn what_noise_hides_is_no_error_of_zero() {
+        let found = |error| AgainstPaths {
+            error,
+            signed: 0.0,
+            noise: [0.03, 0.01],
+        };
+        assert_eq!(found(0.02).corrected(), None);
+        let left = found(0.05).corrected().unwrap();
+        assert!((left - 0.04).abs() < 1e-12, "{left}");
     }
 }

@@ -190,16 +190,25 @@ fn vertex_section(found: &Vertices, vertex_count: usize) -> Section {
             "{receivers} of {vertex_count} vertices are compared, spread evenly over the scene."
         )
     };
+    let mut blocks = vec![
+        tables::vertex_errors(found),
+        tables::parts(found),
+        tables::errors_by_kind(found),
+    ];
+    blocks.extend(tables::errors_by_contact(found));
+    blocks.extend([tables::extremes(found), tables::paths(found)]);
     Section {
         heading: "Indirect light at the vertices".to_owned(),
         anchor: "vertices".to_owned(),
         paragraphs: vec![
             format!(
-                "{LIGHTS} test lights that chose and tuned nothing (points and spots in free \
+                "{} test lights that chose and tuned nothing and bring indirect light, of {LIGHTS} \
+                 (points and spots in free \
                  space; suns and skies where the scene is open). The error of a light is \
                  sqrt(sum A (E - R)^2 / sum A R^2) of its indirect light alone, the signed error \
                  that of its sum; mean, 95th percentile, worst and signed mean are over the \
-                 lights."
+                 lights.",
+                found.lights_that_arrive(),
             ),
             format!(
                 "{compared} R is their row of the true transfer, by {} rays in two independent \
@@ -227,13 +236,7 @@ fn vertex_section(found: &Vertices, vertex_count: usize) -> Section {
                  discretisation of light into vertices too."
             ),
         ],
-        blocks: vec![
-            tables::vertex_errors(found),
-            tables::parts(found),
-            tables::errors_by_kind(found),
-            tables::extremes(found),
-            tables::paths(found),
-        ],
+        blocks,
     }
 }
 
@@ -259,7 +262,7 @@ fn sweep_section(sweeps: &Sweeps) -> Section {
         blocks.extend(tables::sweep_plots(*swept, points));
         blocks.push(tables::sweep_table(*swept, points));
         if *swept == Swept::Coefficients {
-            blocks.push(tables::equal_bytes(points));
+            blocks.push(tables::equal_bytes(&sweeps.points));
         }
     }
     Section {

@@ -9,8 +9,9 @@ use super::frame_errors::{self, Compared};
 use super::glossy::{self, GlossyError};
 use super::paths::{self, LightAgainstPaths, Subject};
 use super::pictures;
+use super::statistics::over_lights;
 use super::sweeps::{Point, RAYS, Sweeper, Swept};
-use super::vertices::{Parts, ROW_RAYS, SchemeErrors, Truth};
+use super::vertices::{Parts, ROW_RAYS, SchemeErrors, Truth, test_lights};
 use crate::bake::{Bake, BakeError, BakeSettings, RunSettings, Scheme, Study};
 use crate::relight::{FrameSettings, Renderer, SceneFigures, vertex_albedo};
 use crate::report::Block;
@@ -28,6 +29,8 @@ const KEPT_BYTES: u64 = {
         5_000_000_000
     }
 };
+/// Test lights that means should be over.
+const LEAST_LIGHTS: usize = 32;
 /// Beyond so many, the chapters of vertices and sweeps would take hours.
 const MOST_VERTICES: usize = 150_000;
 
@@ -68,6 +71,14 @@ pub(super) struct Vertices {
     /// In the order of [`Scheme::ALL`].
     pub(super) schemes: Vec<SchemeResult>,
     pub(super) paths: Vec<[LightAgainstPaths; 2]>,
+}
+
+impl Vertices {
+    /// Test lights that bring indirect light.
+    pub(super) fn lights_that_arrive(&self) -> usize {
+        let noise = self.truth.noise();
+        over_lights(&test_lights(&noise[0]), |_| true).lights
+    }
 }
 
 /// One scheme at the defaults.
@@ -140,7 +151,8 @@ pub(super) fn measure(
     clock.next("bake");
     let mut warnings = renderer.take_warnings();
     warnings.extend(Scheme::Paper.warning());
-    let (vertices, sweeps) = transfer_chapters(&renderer, &mut warnings, &mut clock, run)?;
+    let (vertices, sweeps) =
+        transfer_chapters(&renderer, bake_seconds, &mut warnings, &mut clock, run)?;
     let has_light = renderer.scene().has_light();
     let mut comparisons = Vec::new();
     let image = if has_light {
@@ -210,6 +222,7 @@ impl Chapters {
 /// The chapters that look at the transfer itself.
 fn transfer_chapters(
     renderer: &Renderer,
+    bake_seconds: f64,
     warnings: &mut Vec<String>,
     clock: &mut Chapters,
     run: &RunSettings,
@@ -225,7 +238,9 @@ fn transfer_chapters(
         return Ok((None, None));
     }
     let rays = kept_rays(count);
+    let start = Instant::now();
     let surface = Study::surface(renderer.scene(), bake, rays, run)?;
+    let seconds_a_ray = start.elapsed().as_secs_f64() / f64::from(rays);
     let study = Study::new(&surface, bake, run)?;
     if !study.has_bounces() {
         warnings
@@ -233,11 +248,34 @@ fn transfer_chapters(
         return Ok((None, None));
     }
     let albedo = vertex_albedo(renderer.scene(), &surface);
-    let found = vertices(&study, &surface, (renderer.scene(), bake, &albedo), run)?;
+    let cost = Cost {
+        most_rays: rays,
+        seconds_a_ray,
+        bake_seconds,
+    };
+    let subject = (renderer.scene(), bake, &albedo[..]);
+    let found = vertices(&study, &surface, subject, &cost, run)?;
+    let lights = found.lights_that_arrive();
+    if lights < LEAST_LIGHTS {
+        warnings.push(format!(
+            "only {lights} of the test lights bring indirect light: means over them say less than \
+             they should"
+        ));
+    }
     clock.next("vertices");
-    let sweeps = sweeps(&study, &found, rays, run)?;
+    let sweeps = sweeps(&study, &found, &cost, run)?;
     clock.next("sweeps");
     Ok((Some(found), Some(sweeps)))
+}
+
+/// What the bakes of a study cost, and keep.
+struct Cost {
+    /// Rays a vertex that are kept.
+    most_rays: u32,
+    /// What tracing one from every vertex took, in the mean.
+    seconds_a_ray: f64,
+    /// Of the scene's own bake.
+    bake_seconds: f64,
 }
 
 /// Rays a vertex that are kept of so many vertices: the most that the sweep of rays
@@ -252,6 +290,7 @@ fn vertices(
     study: &Study,
     surface: &Surface,
     (scene, bake, albedo): (&Scene, &Bake, &[Vec3]),
+    cost: &Cost,
     run: &RunSettings,
 ) -> Result<Vertices, BakeError> {
     let grey = albedo.iter().map(|rho| rho.element_sum() / 3.0).collect();
@@ -259,7 +298,8 @@ fn vertices(
     let sweeper = Sweeper {
         study,
         truth: &truth,
-        most_rays: kept_rays(surface.vertices.len()),
+        most_rays: cost.most_rays,
+        seconds_a_ray: cost.seconds_a_ray,
     };
     let mut settings = Vec::new();
     let mut made = Vec::new();
@@ -269,31 +309,37 @@ fn vertices(
         // A study has the transfer of any bake of its settings, and this one is there.
         made.push(match scheme == bake.stats().scheme {
             true => None,
-            false => Some(study.bake(&found, run)?),
+            false => Some(sweeper.timed_bake(&found, run)?),
         });
         settings.push(found);
     }
-    let bakes = [0, 1].map(|scheme: usize| made[scheme].as_ref().unwrap_or(bake));
+    let made = [0, 1].map(|scheme: usize| match &made[scheme] {
+        Some((bake, seconds)) => (bake, *seconds),
+        None => (bake, cost.bake_seconds),
+    });
     let mut schemes = Vec::new();
-    for (settings, bake) in settings.into_iter().zip(bakes) {
+    for (settings, (bake, seconds)) in settings.into_iter().zip(made) {
+        let parts = truth.parts(study, bake, &settings, run)?;
         let point = Point {
             is_default: true,
-            ..sweeper.point(bake, &settings, run)
+            uncut: Some(parts.uncut()),
+            ..sweeper.point(bake, &settings, seconds, run)
         };
         schemes.push(SchemeResult {
             settings,
             point,
             errors: truth.scheme(bake, run),
-            parts: truth.parts(study, bake, &settings, run)?,
+            parts,
         });
     }
     let subject = Subject {
         scene,
         surface,
-        bakes,
+        bakes: made.map(|(bake, _)| bake),
         albedo,
     };
-    let paths = paths::against_paths(&subject, &truth.lights, run)?;
+    let sampling = truth.vertex_sampling_by_light();
+    let paths = paths::against_paths(&subject, &truth.lights, &sampling, run)?;
     Ok(Vertices {
         truth,
         schemes,
@@ -301,32 +347,29 @@ fn vertices(
     })
 }
 
-/// The sweeps, whose points share the rays that the study keeps, `most_rays` a vertex.
+/// The sweeps, whose points share the rays that the study keeps.
 /// Where the defaults have more, functions and coefficients start from the same
 /// settings with as few.
 fn sweeps(
     study: &Study,
     vertices: &Vertices,
-    most_rays: u32,
+    cost: &Cost,
     run: &RunSettings,
 ) -> Result<Sweeps, BakeError> {
     let sweeper = Sweeper {
         study,
         truth: &vertices.truth,
-        most_rays,
+        most_rays: cost.most_rays,
+        seconds_a_ray: cost.seconds_a_ray,
     };
     let (mut defaults, mut starts) = (Vec::new(), Vec::new());
     for scheme in &vertices.schemes {
-        let point = Point {
-            uncut: Some(scheme.parts.uncut.mean),
-            ..scheme.point
-        };
-        defaults.push((scheme.settings, point));
-        if scheme.settings.rays <= most_rays {
-            starts.push((scheme.settings, point));
+        defaults.push((scheme.settings, scheme.point));
+        if scheme.settings.rays <= cost.most_rays {
+            starts.push((scheme.settings, scheme.point));
         } else {
             let settings = BakeSettings {
-                rays: most_rays,
+                rays: cost.most_rays,
                 ..scheme.settings
             };
             starts.push((settings, sweeper.start(&settings, run)?));

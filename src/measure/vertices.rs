@@ -6,7 +6,9 @@
 //! and, from each receiver, many rays that nobody keeps for the last one: the
 //! dense matrix is used row by row and never stored.
 
+use super::contacts;
 use super::statistics::{ByLight, errors, over_lights, without_noise};
+use super::sweeps::Uncut;
 use crate::bake::{
     Bake, BakeError, BakeSettings, LIGHTS, LightErrors, RunSettings, Study, StudyLight,
     VertexFields,
@@ -17,8 +19,8 @@ use crate::surface::Surface;
 /// Seeds of this report alone: of its lights, of the rows in between and of the
 /// last rows of both halves.
 pub(super) const LIGHT_SEED: u32 = 0x4e90_47ed;
-const ROW_SEEDS: [u32; 2] = [0x4e90_0001, 0x4e90_0002];
-const LAST_SEEDS: [u32; 2] = [0x4e90_0003, 0x4e90_0004];
+pub(super) const ROW_SEEDS: [u32; 2] = [0x4e90_0001, 0x4e90_0002];
+pub(super) const LAST_SEEDS: [u32; 2] = [0x4e90_0003, 0x4e90_0004];
 /// Rays a vertex of the rows in between, each half: their noise of 3 % is
 /// independent from vertex to vertex, and the last bounce averages hundreds.
 pub(super) const ROW_RAYS: u32 = 1024;
@@ -43,6 +45,8 @@ pub(super) struct Truth {
     albedo: Vec<f32>,
     pub(super) receivers: Vec<u32>,
     areas: Vec<f64>,
+    /// Whether each receiver is within an edge length of a contact.
+    near_contact: Vec<bool>,
     /// At the receivers: test lights and extremes after one bounce and after
     /// four, then the test lights after one bounce by many points of each area.
     halves: [VertexFields; 2],
@@ -72,6 +76,9 @@ impl Columns {
 pub(super) struct SchemeErrors {
     /// By light: test lights, then the extremes.
     pub(super) by_bounces: [ByLight; 2],
+    /// Of the test lights after one bounce, at receivers within an edge length of a
+    /// contact and at the others, relative to what arrives there.
+    pub(super) by_contact: [LightErrors; 2],
 }
 
 impl SchemeErrors {
@@ -93,6 +100,16 @@ pub(super) struct Parts {
     pub(super) compression: LightErrors,
     /// Of the sampled rows on the basis, nothing left out, against the truth.
     pub(super) uncut: LightErrors,
+}
+
+impl Parts {
+    /// What is left where nothing is cut.
+    pub(super) fn uncut(&self) -> Uncut {
+        Uncut {
+            rows: self.noise.mean,
+            on_basis: self.uncut.mean,
+        }
+    }
 }
 
 impl Truth {
@@ -133,6 +150,7 @@ impl Truth {
                 .iter()
                 .map(|&v| f64::from(surface.vertices.open_area(v as usize)))
                 .collect(),
+            near_contact: contacts::are_near(surface, &receivers),
             lights,
             direct,
             albedo,
@@ -153,17 +171,40 @@ impl Truth {
     }
 
     fn noise_of(&self, columns: Columns) -> ByLight {
+        self.noise_over(&self.areas, columns)
+    }
+
+    fn noise_over(&self, areas: &[f64], columns: Columns) -> ByLight {
         let [mean, half] = [&self.mean, &self.halves[0]].map(|it| it.columns(columns.range()));
-        errors(&self.areas, &mean, &half)
+        errors(areas, &mean, &half)
     }
 
     /// Errors of values at all vertices, without the truth's noise.
     fn errors(&self, columns: Columns, estimate: &VertexFields) -> ByLight {
+        self.errors_over(&self.areas, columns, estimate)
+    }
+
+    /// The same by some areas of the receivers, 0 for those that do not count.
+    fn errors_over(&self, areas: &[f64], columns: Columns, estimate: &VertexFields) -> ByLight {
         let truth = self.mean.columns(columns.range());
         let width = estimate.width;
         let truth = truth.columns(0..width);
-        let found = errors(&self.areas, &truth, &estimate.at(&self.receivers));
-        without_noise(found, &self.noise_of(columns))
+        let found = errors(areas, &truth, &estimate.at(&self.receivers));
+        without_noise(found, &self.noise_over(areas, columns))
+    }
+
+    /// Areas of the receivers within an edge length of a contact, or of the others.
+    fn areas_by_contact(&self, near: bool) -> Vec<f64> {
+        let pairs = self.areas.iter().zip(&self.near_contact);
+        let counts = |(&area, &is_near): (&f64, &bool)| if is_near == near { area } else { 0.0 };
+        pairs.map(counts).collect()
+    }
+
+    /// Share of the receivers' area within an edge length of a contact, 0 to 1.
+    pub(super) fn share_near_contacts(&self) -> f64 {
+        let all: f64 = self.areas.iter().sum();
+        let near: f64 = self.areas_by_contact(true).iter().sum();
+        near / all.at_least(f64::MIN_POSITIVE)
     }
 
     /// Errors of a bake after one bounce on white and four on the scene's grey.
@@ -174,11 +215,17 @@ impl Truth {
             let brightness = times(&self.albedo, &plus(&self.direct, &arriving));
             arriving = bake.bounce(run.level, &brightness);
         }
+        let by_contact = [true, false].map(|near| {
+            let areas = self.areas_by_contact(near);
+            let errors = self.errors_over(&areas, Columns::One, &one);
+            over_lights(&test_lights(&errors), |_| true)
+        });
         SchemeErrors {
             by_bounces: [
                 self.errors(Columns::One, &one),
                 self.errors(Columns::Four, &arriving),
             ],
+            by_contact,
         }
     }
 
@@ -210,11 +257,16 @@ impl Truth {
     /// What averaging direct light over a few points of each area costs; skies,
     /// which have no points, are left out. The same rays bring both.
     pub(super) fn vertex_sampling(&self) -> LightErrors {
-        let few = self.mean.columns(0..LIGHTS);
-        let many = self.mean.columns(Columns::ManyPoints.range());
-        over_lights(&errors(&self.areas, &many, &few), |light| {
+        over_lights(&self.vertex_sampling_by_light(), |light| {
             self.lights[light].placed.is_some()
         })
+    }
+
+    /// The same by light; `None` for one that does not arrive.
+    pub(super) fn vertex_sampling_by_light(&self) -> ByLight {
+        let few = self.mean.columns(0..LIGHTS);
+        let many = self.mean.columns(Columns::ManyPoints.range());
+        errors(&self.areas, &many, &few)
     }
 }
 

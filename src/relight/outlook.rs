@@ -19,6 +19,9 @@ pub struct Outlook {
     pub max_edge: f64,
     /// The same as the scene asks for, where that would make too many vertices.
     pub max_edge_asked: Option<f64>,
+    /// Error of indirect light that is asked for, where a bake begins with a search for
+    /// it; the forecast is that of the settings before.
+    pub error_asked: Option<f64>,
     /// Share of the rays of front sides that escape, 0 to 1, by a survey.
     pub escaped_share_of_fronts: f64,
     /// The frame that the scene file asks for.

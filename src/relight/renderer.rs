@@ -236,6 +236,10 @@ impl Renderer {
             triangles: self.surface.mesh.triangles.len(),
             max_edge: self.surface.max_edge,
             max_edge_asked: asked.filter(|asked| self.surface.max_edge > asked * (1.0 + 1e-6)),
+            error_asked: match self.scheme {
+                Scheme::Relume => self.scene.bake.error,
+                Scheme::Paper => None,
+            },
             escaped_share_of_fronts: escaped_share_of_fronts(&self.surface, run.level),
             frame: FrameSettings::of_scene(&self.scene),
             bake,

@@ -43,6 +43,8 @@ fn a_report_has_both_schemes_and_sane_figures() {
                 "{figures}"
             );
         }
+        let lights = &figures["one_bounce"]["lights"];
+        assert!((32.0..=64.0).contains(&number(lights)), "{figures}");
         assert!(number(&figures["bytes_per_vertex"]) > 10.0, "{figures}");
         assert!(number(&figures["relight_ms"]) > 0.0, "{figures}");
     }
@@ -63,8 +65,14 @@ fn a_report_has_both_schemes_and_sane_figures() {
         let is_sane = flip.iter().all(|error| (1e-3..0.6).contains(error));
         assert!(is_sane, "{component}: {flip:?}");
         assert!(number(&image["frame_ms"]) > 0.0, "{image}");
+        for means in ["pixels", "blocks"] {
+            let noise = number(&image[means]["noise"]);
+            assert!((1e-3..1.0).contains(&noise), "{component}: {image}");
+        }
     }
+    assert_eq!(object["frames"]["scheme"], "relume");
     report_is_whole(&report);
+    errors_have_parts(&report, &object);
 }
 
 fn report_is_whole(report: &Path) {
@@ -75,6 +83,7 @@ fn report_is_whole(report: &Path) {
         "plots/error-against-functions.svg",
         "plots/error-against-bytes.svg",
         "plots/error-against-milliseconds.svg",
+        "plots/error-against-bake-seconds.svg",
         "plots/error-against-rays.svg",
         "pictures/global-against-reference-flip.png",
         "pictures/partitions.png",
@@ -82,6 +91,7 @@ fn report_is_whole(report: &Path) {
         "pictures/approximated-direct.png",
         "tables/vertices-against-paths.csv",
         "tables/extreme-lights.csv",
+        "tables/vertex-errors-by-contact.csv",
         "tables/equal-bytes.csv",
         "tables/time-at-equal-error.csv",
     ] {
@@ -98,6 +108,58 @@ fn report_is_whole(report: &Path) {
         let defaults = table.lines().filter(|line| line.ends_with("default"));
         assert_eq!(defaults.count(), 2, "{sweep}: one a scheme: {table}");
     }
+}
+
+/// The three sources of the error, which a basis of 64 functions and 64 rays have in
+/// sizes that are known: noise alone is as large as all of it.
+fn errors_have_parts(report: &Path, object: &Value) {
+    let table = fs::read_to_string(report.join("tables/error-parts.csv")).expect("the parts");
+    for scheme in ["relume", "paper"] {
+        let mean = |part: &str| {
+            let line = table.lines().find_map(|line| {
+                let cells = line.strip_prefix(scheme)?.strip_prefix(',')?;
+                cells.strip_prefix(part)?.strip_prefix(',')
+            });
+            let cell = line.and_then(|line| line.split(',').next());
+            let mean = cell.and_then(|cell| cell.parse::<f64>().ok());
+            mean.unwrap_or_else(|| panic!("{scheme}, {part}: {table}")) / 100.0
+        };
+        let total = number(&object["schemes"][scheme]["one_bounce"]["mean"]);
+        assert!((mean("total") - total).abs() < 1e-4, "{scheme}: {table}");
+        let noise = mean("noise of the sampled rows");
+        assert!((0.1..0.3).contains(&noise), "{scheme}: {table}");
+        for part in ["basis", "compression"] {
+            assert!(
+                (1e-3..MOST_ERROR).contains(&mean(part)),
+                "{scheme}: {table}"
+            );
+        }
+    }
+}
+
+#[test]
+fn frames_of_the_published_scheme_are_timed_and_a_report_has_both_anyway() {
+    let timed = &["measure", "--frames", "1", "--json", "--scheme", "paper"];
+    let mut command = relume(timed);
+    command.arg(scene("cornell")).args(SMALL_BAKE);
+    let object = succeed(command.args(["--size", "20x15"])).json();
+    assert_eq!(object["scheme"], "paper");
+    let folder = temporary_folder();
+    let refused = run(&mut measure(folder.path(), &["--scheme", "paper"]));
+    assert_eq!(refused.exit_code, Some(2), "{refused:#?}");
+    assert!(refused.stderr.contains("both schemes"), "{refused:#?}");
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_folder_that_nothing_can_be_written_to_is_refused_before_any_work() {
+    // There, not even the administrator makes files.
+    let finished = run(&mut measure(Path::new("/proc/self"), &[]));
+    assert_eq!(finished.exit_code, Some(3), "{finished:#?}");
+    assert!(
+        finished.stderr.contains("could not be written"),
+        "{finished:#?}"
+    );
 }
 
 #[test]

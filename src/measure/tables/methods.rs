@@ -64,8 +64,8 @@ pub(in crate::measure) fn knob(knob: &Knob) -> Block {
     table(
         &format!("method-{slug}"),
         &format!(
-            "{}: means over the scenes, then one bounce scene by scene.",
-            knob.name
+            "{}: means over the scenes, then one bounce scene by scene. {}",
+            knob.name, knob.reason
         ),
         columns,
         knob.variants.iter().map(row).collect(),

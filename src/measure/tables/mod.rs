@@ -10,7 +10,9 @@ pub(super) use frame_errors::{image_errors, image_flip, image_times, path_errors
 pub(super) use glossy::glossy_errors;
 pub(super) use methods::knob;
 pub(super) use sweeps::{at_equal_bytes, equal_bytes, ratio, sweep_plots, sweep_table};
-pub(super) use vertices::{errors_by_kind, extremes, parts, paths, vertex_errors};
+pub(super) use vertices::{
+    errors_by_contact, errors_by_kind, extremes, parts, paths, vertex_errors,
+};
 
 use crate::report::{Block, Cell, Column, Row, Table};
 

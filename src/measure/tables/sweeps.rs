@@ -2,6 +2,7 @@
 
 use super::{BOUNCE_NAMES, in_percent, percent, table};
 use crate::bake::Scheme;
+use crate::maths::order::Order;
 use crate::measure::statistics::between;
 use crate::measure::sweeps::{Point, Swept};
 use crate::report::{Axis, Block, Cell, Column, Mark, Plot, Row, Series, Style};
@@ -44,8 +45,10 @@ pub(in crate::measure) fn sweep_table(swept: Swept, points: &[Point]) -> Block {
             in_percent(point.errors[0].mean),
             in_percent(point.errors[0].p95),
             in_percent(point.errors[1].mean),
-            point.uncut.map(|error| error * 100.0).into(),
+            point.uncut.map(|it| it.on_basis * 100.0).into(),
+            point.uncut.map(|it| it.rows * 100.0).into(),
             Cell::Number(point.relight_ms),
+            Cell::Number(point.bake_seconds),
         ];
         if point.is_default {
             Row::highlighted(cells, DEFAULT)
@@ -63,7 +66,9 @@ pub(in crate::measure) fn sweep_table(swept: Swept, points: &[Point]) -> Block {
         percent("95th percentile", 2),
         percent("four bounces", 2),
         percent("nothing cut", 2),
+        percent("dense rows", 2),
         Column::number("four bounces", "ms", 2),
+        Column::number("bake", "s", 1),
     ];
     let name = format!("sweep-{}", swept.name());
     table(
@@ -88,7 +93,7 @@ pub(in crate::measure) fn sweep_plots(swept: Swept, points: &[Point]) -> Vec<Blo
         Swept::Functions => {
             for scheme in Scheme::ALL {
                 let of_scheme = points.iter().filter(|point| point.scheme == scheme);
-                let uncut = of_scheme.filter_map(|p| Some((x(p), p.uncut? * 100.0)));
+                let uncut = of_scheme.filter_map(|p| Some((x(p), p.uncut?.on_basis * 100.0)));
                 series.push(Series {
                     label: format!("{}, nothing cut", scheme.name()),
                     points: uncut.collect(),
@@ -108,33 +113,75 @@ pub(in crate::measure) fn sweep_plots(swept: Swept, points: &[Point]) -> Vec<Blo
         series,
         marks(points, &x),
     )];
-    if swept == Swept::Coefficients {
-        for (name, axis, value, caption) in [
+    blocks.extend(costs(swept).iter().map(|(name, axis, value, caption)| {
+        let mut series = by_scheme(points, value, 0, Style::Line, "");
+        if swept == Swept::Coefficients {
+            series.extend(dense(points, value));
+        }
+        let axis = Axis::log(axis[0], axis[1]);
+        error_plot(name, caption, axis, series, marks(points, value))
+    }));
+    blocks
+}
+
+/// Name of a plot, label and unit of what is on its axis, and its caption.
+type CostPlot = (
+    &'static str,
+    [&'static str; 2],
+    fn(&Point) -> f64,
+    &'static str,
+);
+
+/// Plots of error against a cost, of the sweep that shows it.
+fn costs(swept: Swept) -> &'static [CostPlot] {
+    match swept {
+        Swept::Functions => &[],
+        Swept::Coefficients => &[
             (
                 "error-against-bytes",
-                Axis::log("operator", "B/vertex"),
-                (|p: &Point| p.bytes_per_vertex) as fn(&Point) -> f64,
-                "Error against bytes of the operator, one bounce; the basis is apart.",
+                ["operator", "B/vertex"],
+                |point| point.bytes_per_vertex,
+                "Error against bytes of the operator, one bounce; the basis is apart. Dashed: the \
+                 dense transfer by as many rays.",
             ),
             (
                 "error-against-milliseconds",
-                Axis::log("four bounces", "ms"),
-                |p: &Point| p.relight_ms,
+                ["four bounces", "ms"],
+                |point| point.relight_ms,
                 "Error against the time of four bounces, all threads, direct light and pixels \
-                 left out.",
+                 left out. Dashed: the dense transfer by as many rays, whatever its time.",
             ),
-        ] {
-            let series = by_scheme(points, &value, 0, Style::Line, "");
-            blocks.push(error_plot(
-                name,
-                caption,
-                axis,
-                series,
-                marks(points, &value),
-            ));
-        }
+        ],
+        Swept::Rays => &[(
+            "error-against-bake-seconds",
+            ["bake", "s"],
+            |point| point.bake_seconds,
+            "Error against the bake's time by the clock, one bounce: rays, basis and operator. The \
+             scene's own bake has sides, sky and the statement of its error in it.",
+        )],
     }
-    blocks
+}
+
+/// The error of rows that nothing is left out of, over the width of a plot: one line
+/// where the schemes have as many rays.
+fn dense(points: &[Point], x: &dyn Fn(&Point) -> f64) -> Vec<Series> {
+    let first = points.iter().map(x).reduce(f64::at_most);
+    let last = points.iter().map(x).reduce(f64::at_least);
+    let (Some(first), Some(last)) = (first, last) else {
+        return Vec::new();
+    };
+    let of_scheme = |scheme: Scheme| {
+        let mut own = points.iter().filter(|point| point.scheme == scheme);
+        own.find_map(|point| Some((point.rays, point.uncut?.rows * 100.0)))
+    };
+    let mut found: Vec<(u32, f64)> = Scheme::ALL.into_iter().filter_map(of_scheme).collect();
+    found.dedup_by_key(|(rays, _)| *rays);
+    let line = |(rays, error): (u32, f64)| Series {
+        label: format!("dense, {rays} rays"),
+        points: vec![(first, error), (last, error)],
+        style: Style::Dashed,
+    };
+    found.into_iter().map(line).collect()
 }
 
 fn by_scheme(
@@ -181,28 +228,43 @@ fn error_plot(name: &str, caption: &str, x: Axis, series: Vec<Series>, marks: Ve
     })
 }
 
-/// (bytes a vertex, errors of both schemes within so many, where the sweep of
-/// coefficients reaches).
+/// (bytes a vertex, least errors of both schemes within so many, where a sweep
+/// reaches).
 pub(in crate::measure) fn at_equal_bytes(
-    points: &[Point],
+    sweeps: &[(Swept, Vec<Point>)],
     which: usize,
 ) -> Vec<(f64, [Option<f64>; 2])> {
-    COMPARED_BYTES
-        .into_iter()
-        .map(|bytes| {
-            let errors = Scheme::ALL.map(|scheme| {
-                let mut of_scheme: Vec<&Point> =
-                    points.iter().filter(|it| it.scheme == scheme).collect();
-                of_scheme.sort_by_key(|point| point.coefficients_asked);
-                let curve: Vec<(f64, f64)> = of_scheme
-                    .iter()
-                    .map(|p| (p.bytes_per_vertex, p.errors[which].mean))
-                    .collect();
-                between(&curve, bytes).or_else(|| beyond(&curve, bytes))
-            });
-            (bytes, errors)
-        })
-        .collect()
+    let curves = Scheme::ALL.map(|scheme| {
+        let of_bytes = sweeps.iter().filter(|(swept, _)| *swept != Swept::Rays);
+        let curves = of_bytes.map(|(swept, points)| curve_of_bytes(*swept, points, scheme, which));
+        curves.collect::<Vec<_>>()
+    });
+    let errors = |bytes: f64| curves.each_ref().map(|curves| least_within(curves, bytes));
+    COMPARED_BYTES.map(|bytes| (bytes, errors(bytes))).to_vec()
+}
+
+/// (bytes a vertex, error) of a scheme in a sweep, in the order of what was allowed.
+fn curve_of_bytes(swept: Swept, points: &[Point], scheme: Scheme, which: usize) -> Vec<(f64, f64)> {
+    let mut of_scheme: Vec<&Point> = points.iter().filter(|it| it.scheme == scheme).collect();
+    of_scheme.sort_by_key(|point| match swept {
+        Swept::Functions => point.functions_asked,
+        Swept::Coefficients => point.coefficients_asked,
+        Swept::Rays => point.rays,
+    });
+    let pair = |point: &&Point| (point.bytes_per_vertex, point.errors[which].mean);
+    of_scheme.iter().map(pair).collect()
+}
+
+/// The least error that some curve has within so many bytes, between its points too;
+/// `None` where no curve reaches.
+fn least_within(curves: &[Vec<(f64, f64)>], bytes: f64) -> Option<f64> {
+    let reached = curves
+        .iter()
+        .filter_map(|curve| between(curve, bytes).or_else(|| beyond(curve, bytes)));
+    let reached = reached.reduce(f64::at_most)?;
+    let points = curves.iter().flatten();
+    let within = points.filter(|&&(of_point, error)| of_point <= bytes && error > 0.0);
+    Some(within.fold(reached, |least, &(_, error)| f64::at_most(least, error)))
 }
 
 /// The error of a scheme that stores fewer bytes whatever it is allowed: of the points
@@ -221,10 +283,10 @@ pub(in crate::measure) fn ratio([relume, paper]: [Option<f64>; 2]) -> Option<f64
 }
 
 /// Both schemes at equal bytes.
-pub(in crate::measure) fn equal_bytes(points: &[Point]) -> Block {
+pub(in crate::measure) fn equal_bytes(sweeps: &[(Swept, Vec<Point>)]) -> Block {
     let mut rows = Vec::new();
     for which in 0..2 {
-        for (bytes, errors) in at_equal_bytes(points, which) {
+        for (bytes, errors) in at_equal_bytes(sweeps, which) {
             let [relume, paper] = errors.map(|error| Cell::from(error.map(|e| e * 100.0)));
             rows.push(Row::plain(vec![
                 Cell::Number(bytes),
@@ -244,9 +306,9 @@ pub(in crate::measure) fn equal_bytes(points: &[Point]) -> Block {
     ];
     table(
         "equal-bytes",
-        "Error within so many bytes, between the points of the sweep of coefficients (straight \
-         in logarithms). Where twice the coefficients make a scheme store no more, it keeps its \
-         error; empty where the sweep does not reach.",
+        "The least error of each scheme within so many bytes, of the sweeps of functions and \
+         coefficients and between their points (straight in logarithms). Where twice as many make \
+         a scheme store no more, it keeps its error; empty where no sweep reaches.",
         columns,
         rows,
     )
@@ -255,6 +317,18 @@ pub(in crate::measure) fn equal_bytes(points: &[Point]) -> Block {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_least_error_of_any_curve_counts_within_its_bytes() {
+        let coefficients = vec![(30.0, 0.3), (60.0, 0.25), (60.0, 0.25)];
+        let functions = vec![(40.0, 0.5), (50.0, 0.2), (110.0, 0.1)];
+        let both = [coefficients, functions];
+        assert_eq!(least_within(&both, 70.0), between(&both[1], 70.0));
+        assert_eq!(least_within(&both, 130.0), Some(0.1), "the cheaper point");
+        assert_eq!(least_within(&both, 30.0), Some(0.3));
+        assert_eq!(least_within(&both, 20.0), None);
+        assert_eq!(least_within(&both[1..], 130.0), None, "no curve ends there");
+    }
 
     #[test]
     fn a_scheme_that_stores_all_keeps_its_error_and_a_cut_sweep_says_nothing() {

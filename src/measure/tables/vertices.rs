@@ -71,23 +71,22 @@ pub(in crate::measure) fn errors_by_kind(found: &Vertices) -> Block {
     let mut rows = Vec::new();
     for kind in KINDS {
         let is_kind = |light: usize| found.truth.lights[light].kind == kind;
-        let count = (0..LIGHTS).filter(|&light| is_kind(light)).count();
-        if count == 0 {
+        if !(0..LIGHTS).any(is_kind) {
             continue;
         }
         for scheme in &found.schemes {
             for which in 0..2 {
-                let errors = test_lights(&scheme.errors.by_bounces[which]);
-                let mut cells = vec![kind.name().into(), Cell::Number(count as f64)];
+                let errors = over_lights(&test_lights(&scheme.errors.by_bounces[which]), is_kind);
+                let mut cells = vec![kind.name().into(), Cell::Number(errors.lights as f64)];
                 cells.extend(name_cells(scheme, which));
-                cells.extend(light_cells(over_lights(&errors, is_kind)));
+                cells.extend(light_cells(errors));
                 rows.push(Row::plain(cells));
             }
         }
     }
     let mut columns = vec![
         Column::text("lights"),
-        Column::number("count", "", 0),
+        Column::number("that arrive", "", 0),
         Column::text("scheme"),
         Column::text("bounces"),
     ];
@@ -98,6 +97,43 @@ pub(in crate::measure) fn errors_by_kind(found: &Vertices) -> Block {
         columns,
         rows,
     )
+}
+
+/// The same near contacts and away from them; nothing where nothing stands on
+/// anything.
+pub(in crate::measure) fn errors_by_contact(found: &Vertices) -> Option<Block> {
+    let near = found.truth.share_near_contacts();
+    if near == 0.0 {
+        return None;
+    }
+    let places = [("within an edge length", near), ("elsewhere", 1.0 - near)];
+    let mut rows = Vec::new();
+    for (place, (name, share)) in places.into_iter().enumerate() {
+        for scheme in &found.schemes {
+            let mut cells = vec![name.into(), in_percent(share)];
+            cells.push(scheme.settings.scheme.name().into());
+            cells.extend(light_cells(scheme.errors.by_contact[place]));
+            rows.push(Row::plain(cells));
+        }
+    }
+    let mut columns = vec![
+        Column::text("from a contact"),
+        percent("of the area", 1),
+        Column::text("scheme"),
+    ];
+    columns.extend(light_columns());
+    Some(table(
+        "vertex-errors-by-contact",
+        "The same after one bounce near contacts, where walls and bodies stand on something, \
+         each relative to the light that arrives there.",
+        columns,
+        rows,
+    ))
+}
+
+/// The error of one light, unless the truth's noise hides it.
+fn known([error, _]: [f64; 2]) -> Option<f64> {
+    Some(error).filter(|&error| error > 0.0)
 }
 
 /// The two extremes.
@@ -111,7 +147,8 @@ pub(in crate::measure) fn extremes(found: &Vertices) -> Block {
                 let error = scheme.errors.by_bounces[which][light];
                 let mut cells = vec![name.into()];
                 cells.extend(name_cells(scheme, which));
-                cells.extend([0, 1].map(|i| Cell::from(error.map(|e| e[i] * 100.0))));
+                let figures = [error.and_then(known), error.map(|e| e[1])];
+                cells.extend(figures.map(|it| Cell::from(it.map(|it| it * 100.0))));
                 cells.push(noise[which][light].map(|e| e[0] * 100.0).into());
                 rows.push(Row::plain(cells));
             }
@@ -127,7 +164,8 @@ pub(in crate::measure) fn extremes(found: &Vertices) -> Block {
     ];
     table(
         "extreme-lights",
-        "Lights beyond what the defaults are for, apart from the means above.",
+        "Lights beyond what the defaults are for, apart from the means above; an error is empty \
+         where the truth's noise hides it.",
         columns,
         rows,
     )
@@ -170,9 +208,18 @@ pub(in crate::measure) fn paths(found: &Vertices) -> Block {
     for light in &found.paths {
         for (scheme, light) in Scheme::ALL.iter().zip(light) {
             let mut cells = vec![light.kind.name().into(), scheme.name().into()];
-            let [found, own] = light.errors;
-            let figures = [found, light.noise[0], own, light.signed, light.noise[1]];
-            cells.extend(figures.map(in_percent));
+            let figures = match &light.found {
+                Some(it) => [
+                    Some(it.error),
+                    Some(it.noise[0]),
+                    it.corrected(),
+                    light.vertex_sampling,
+                    Some(it.signed),
+                    Some(it.noise[1]),
+                ],
+                None => [None; 6],
+            };
+            cells.extend(figures.map(|it| Cell::from(it.map(|it| it * 100.0))));
             rows.push(Row::plain(cells));
         }
     }
@@ -182,13 +229,15 @@ pub(in crate::measure) fn paths(found: &Vertices) -> Block {
         percent("found", 2),
         percent("standard error of the paths", 2),
         percent("error without it", 2),
+        percent("vertex sampling", 2),
         percent("signed", 3),
         percent("standard error of their sum", 3),
     ];
     table(
         "vertices-against-paths",
         "Indirect light of four bounces in the scene's colours at random vertices, against paths; \
-         their standard error is taken off in quadrature.",
+         their standard error is taken off in quadrature; empty where it hides the error. Vertex \
+         sampling is the part of one bounce.",
         columns,
         rows,
     )
