@@ -47,6 +47,15 @@ impl Swept {
         }
     }
 
+    /// Its values for a mesh of so many partitions, each of which has a function: of
+    /// fewer functions than that, the last value says what all of them do.
+    fn values_from(self, partitions: usize) -> &'static [u32] {
+        let values = self.values();
+        let too_few = |&&value: &&u32| self == Self::Functions && value as usize <= partitions;
+        let alike = values.iter().take_while(too_few).count();
+        &values[alike.saturating_sub(1)..]
+    }
+
     fn put(self, settings: &BakeSettings, value: u32) -> BakeSettings {
         let mut settings = *settings;
         match self {
@@ -68,6 +77,7 @@ pub(super) struct Point {
     pub(super) coefficients_asked: u32,
     pub(super) rays: u32,
     /// What the bake has.
+    pub(super) partitions: usize,
     pub(super) functions: usize,
     pub(super) coefficients: f64,
     /// Of the operator; the basis is apart.
@@ -115,7 +125,7 @@ impl Sweeper<'_> {
         let mut points = Vec::new();
         for (settings, start) in starts {
             let mut found = vec![*start];
-            for &value in swept.values() {
+            for &value in swept.values_from(start.partitions) {
                 if run.progress.cancelled() {
                     return Err(BakeError::Cancelled);
                 }
@@ -197,6 +207,7 @@ impl Sweeper<'_> {
             functions_asked: settings.function_count(slots),
             coefficients_asked: settings.coefficients,
             rays: settings.rays,
+            partitions: bake.basis().part_count(),
             functions: bake.basis().function_count(),
             coefficients: bake.operator().coefficients_per_vertex(),
             bytes_per_vertex: bake.operator().bytes() as f64 / slots as f64,
@@ -239,5 +250,20 @@ impl Swept {
             Self::Coefficients => point.coefficients,
             Self::Rays => f64::from(point.rays),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bakes_that_would_be_one_are_made_once() {
+        let functions = |partitions| Swept::Functions.values_from(partitions);
+        assert_eq!(functions(1), FUNCTIONS);
+        assert_eq!(functions(32), FUNCTIONS);
+        assert_eq!(functions(140), FUNCTIONS[2..]);
+        assert_eq!(functions(5000), [2048]);
+        assert_eq!(Swept::Rays.values_from(5000), RAYS);
     }
 }
