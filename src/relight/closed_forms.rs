@@ -10,6 +10,7 @@
 //! | `operator` | linearity, boundedness, energy, rows, convergence of "all" |
 //! | `sides` | what must stay exactly dark, and which backs exist |
 //! | `contacts` | walls that meet, cracks, meshes of unequal fineness |
+//! | `dark` | pictures without light |
 //! | `direct_flux` | the light that a plane catches |
 //! | `placement` | rooms far away, tiny and huge |
 //! | `kept` | incremental frames have the bits of fresh ones |
@@ -53,6 +54,7 @@
 //! | box on a floor | `nothing_is_lit_inside_a_box_on_the_floor` |
 //! | ... open below | `backs_of_a_standing_box_are_dark` |
 //! | thin wall | `a_room_that_shares_no_triangle_with_a_lit_one_is_black` |
+//! | ... in pictures | `a_room_beside_a_lit_one_is_black_in_pictures` |
 //! | ... on a common floor | `little_light_passes_below_a_wall_on_a_common_floor` |
 //! | wall ten times finer | `a_wall_ten_times_finer_changes_nothing` |
 //! | T-junctions, cracks | `cracks_let_next_to_no_ray_out` |
@@ -65,6 +67,7 @@
 //! | room moved, scaled | `a_room_looks_the_same_anywhere_and_at_any_size` |
 //! | files of all kinds | `a_messy_file_is_the_picture_of_a_clean_one` |
 //! | lit from one side | `the_dark_side_of_a_sheet_is_black` |
+//! | ... in pictures | `the_back_of_a_lit_sheet_is_black_in_pictures` |
 //! | ... from both | `each_side_of_a_sheet_has_its_own_light` |
 //! | equal eigenvalues | `projector_of_a_square_grid` |
 //! | ... clusters | `no_cluster_is_cut` |
@@ -73,10 +76,17 @@
 //! | ... with blocks | `a_border_adds_no_jump_to_those_of_the_light` |
 //! | partitions renamed | `renaming_partitions_changes_no_light` |
 //! | linearity | `bounced_light_is_linear` |
+//! | ... folded | `folded_bounces_are_linear` |
+//! | ... of skies | `light_of_skies_adds_up` |
 //! | light off | `no_light_is_exactly_no_light` |
+//! | ... in pictures | `lights_of_no_brightness_leave_pictures_black` |
+//! | ... switched off | `a_light_that_is_switched_off_leaves_nothing` |
 //! | 10,000 moves | `ten_thousand_moves_leave_no_trace` |
 //! | albedo edit | `an_edited_albedo_gives_the_frame_of_a_fresh_scene_without_a_bake` |
 //! | negative light | `light_below_zero_reaches_no_pixel_and_is_counted` |
+//! | ... of skies | `light_of_a_sky_below_zero_reaches_no_pixel_and_is_counted` |
+//! | ... by lobes | `light_of_lobes_below_zero_reaches_no_pixel_and_is_counted` |
+//! | ... gathered | `no_gathered_pixel_is_below_zero` |
 //! | ... reported | `pixels_below_zero_are_reported` |
 //! | threads, levels | `tiny` |
 //! | final gather | `gathering_in_a_furnace_finds_its_series` |
@@ -89,6 +99,7 @@ mod borders;
 mod case_table;
 mod clamped;
 mod contacts;
+mod dark;
 mod direct_flux;
 mod emitters;
 mod enclosures;

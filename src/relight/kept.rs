@@ -111,8 +111,10 @@ impl KeptDirect {
     pub(crate) fn update(&mut self, job: &OnVertices, lights: &PlacedLights) -> Option<usize> {
         let mut old = std::mem::take(&mut self.lights);
         if self.rectangles != lights.rectangles {
-            // A rectangle that moved may have been, or now be, in any light's way.
+            // A rectangle that moved may have been, or now be, in any light's way: no light
+            // serves any more, nor does the sum, though none may be left to be computed.
             old.clear();
+            self.sum.clear();
             self.rectangles.clone_from(&lights.rectangles);
         }
         let (old_count, mut in_order, mut computed) = (old.len(), true, 0);

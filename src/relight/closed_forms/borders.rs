@@ -2,7 +2,7 @@
 
 use glam::{DVec3, Vec3};
 
-use super::{Baked, at_least, at_most};
+use super::{Baked, at_least, at_most, largest};
 use crate::bake::{RunSettings, Study, VertexFields};
 use crate::maths::order::Order;
 use crate::scene::sample_scenes::{cube_room, point_light, room_with_blocks};
@@ -62,13 +62,7 @@ fn relative_jumps(name: &str, scene: &Scene, position: DVec3) -> [f64; 3] {
     let count = across.len();
     assert!(count > 100, "{name}: {count} edges cross borders");
     let usual = percentile_99(&inside);
-    [percentile_99(&across), largest(&across), largest(&inside)].map(|jump| jump / usual)
-}
-
-fn largest(jumps: &[f64]) -> f64 {
-    jumps
-        .iter()
-        .fold(0.0, |largest, jump| jump.at_least(largest))
+    [percentile_99(&across), largest(across), largest(inside)].map(|jump| jump / usual)
 }
 
 fn percentile_99(jumps: &[f64]) -> f64 {
@@ -127,15 +121,16 @@ fn a_border_adds_no_jump_to_those_of_the_light() {
     let [of_light, inside_light] = jumps(&room, &truth);
     assert!(found.len() > 100, "{} edges cross borders", found.len());
     // Found 1.8: with less, the other test's form has to hold here too.
-    let premise = largest(&of_light) / percentile_99(&inside_light);
+    let largest_of_light = largest(of_light.iter().copied());
+    let premise = largest_of_light / percentile_99(&inside_light);
     at_least("largest jump of the light at a border", premise, JUMP);
     let usual = percentile_99(&inside);
     let ratios = found
         .iter()
         .zip(&of_light)
         .map(|(jump, light)| jump / usual.at_least(*light));
-    let ratio = largest(&ratios.collect::<Vec<_>>());
+    let ratio = largest(ratios);
     at_most("jump at a border over what is usual there", ratio, JUMP);
-    let all = largest(&found) / largest(&of_light);
+    let all = largest(found.iter().copied()) / largest_of_light;
     at_most("largest jump at a border over the light's", all, OF_LIGHT);
 }

@@ -4,30 +4,40 @@
 use glam::{DMat3, DVec3, Vec3};
 
 use super::enclosures::form_factor_of_face;
-use super::{Baked, Deviation, at_most, largest};
+use super::{Baked, Deviation, at_least, at_most, largest};
+use crate::maths::order::Order;
 use crate::scene::sample_scenes::{BOX_SIDES, Facing, SampleMesh, cube_room, point_light};
 use crate::scene::{Bounces, Scene};
 
 /// Edges of the tessellation of rooms side by side.
 const EDGE: f64 = 0.25;
 /// Light one edge length behind a wall that stands on a floor mesh of both
-/// rooms, share of the lit room's mean.
+/// rooms, share of the lit room's mean: a thousandth is not seen beside the lit room.
+/// Nothing at all is measured, since floors are cut below walls; it was 2.3 % where their
+/// vertices had area in both rooms.
 const BEHIND_WALL: f64 = 1e-3;
-/// Irradiance at common points of a coarse and a partly fine mesh.
+/// Irradiance at common points of a coarse and a partly fine mesh: what nobody sees.
 const UNEVEN: f64 = 0.02;
+/// The same at the worst of the places: 1.9 % is measured, and 2.1 % by 2,048 rays a
+/// vertex, so it is what functions leave of the light there and no noise. Half a per
+/// cent of it is everywhere.
+const UNEVEN_WORST: f64 = 0.03;
+/// How many times finer the fine wall is.
+const FINER: f64 = 10.0;
 /// Basis functions and coefficients a vertex that leave next to nothing out.
 const FUNCTIONS: u32 = 360;
 const COEFFICIENTS: u32 = 360;
-/// Share of rays that slip out of a closed room.
+/// Share of rays that slip out of a closed room: a hundred of a million. Cracks of
+/// 1e-5 m are 2e-6 of a box, and lose as many; a seam as wide as 1e-3 m would be seen.
 const LEAK: f64 = 1e-4;
 
 /// Where the light of the lit room, the one at low x, is.
-fn lamp() -> [crate::scene::Light; 1] {
+pub(super) fn lamp() -> [crate::scene::Light; 1] {
     [point_light(DVec3::new(-1.2, 0.3, 0.2), 1.0)]
 }
 
 /// Two closed rooms side by side, a wall's thickness apart.
-fn rooms_apart(thickness: f64) -> Scene {
+pub(super) fn rooms_apart(thickness: f64) -> Scene {
     let mut mesh = SampleMesh::default();
     let half = 0.5 * thickness;
     for (material, low, high) in [(0, -2.0, -half), (1, half, 2.0)] {
@@ -105,8 +115,8 @@ fn little_light_passes_below_a_wall_on_a_common_floor() {
     }
 }
 
-/// A cube of 2 m whose wall at low z has cells a tenth as wide as the others'.
-fn room_with_fine_wall(max_edge: f64, rays: u32) -> Scene {
+/// A cube of 2 m whose wall at low z has so many cells along an edge.
+fn room_with_fine_wall(max_edge: f64, rays: u32, cells: u32) -> Scene {
     let mut mesh = SampleMesh::default();
     mesh.box_sides(
         [DVec3::NEG_ONE, DVec3::ONE],
@@ -120,7 +130,6 @@ fn room_with_fine_wall(max_edge: f64, rays: u32) -> Scene {
         &BOX_SIDES[5..],
         0,
     );
-    let cells = (20.0 / max_edge).round() as u32;
     let at = |k: u32| f64::from(k) / f64::from(cells) * 2.0 - 1.0;
     for (i, j) in (0..cells * cells).map(|k| (k % cells, k / cells)) {
         let corners = [
@@ -142,24 +151,34 @@ fn nearest(room: &Baked, list: &[usize], place: DVec3) -> usize {
     found.expect("the list has vertices")
 }
 
+/// The shortest edge on the wall at low z, file units.
+fn shortest_edge(room: &Baked) -> f64 {
+    let edges = (0..room.surface.mesh.triangles.len() as u32).flat_map(|triangle| {
+        let corners = room.surface.vertices.of_triangle(triangle, true);
+        (0..3).map(move |k| [corners[k], corners[(k + 1) % 3]].map(|v| v as usize))
+    });
+    let on_wall = edges.filter(|edge| edge.iter().all(|&v| room.normal(v).z > 0.9));
+    on_wall
+        .map(|[a, b]| room.position(a).distance(room.position(b)))
+        .fold(f64::INFINITY, f64::at_most)
+}
+
 #[test]
 fn a_wall_ten_times_finer_changes_nothing() {
+    // As many functions as the coarse mesh can bear: with the default of 32 for
+    // 1,000 vertices its 12 are 11 % off, which is no fault of fineness.
+    let baked = |mut room: Scene| {
+        room.bake.functions = Some(FUNCTIONS);
+        room.bake.coefficients = Some(COEFFICIENTS);
+        Baked::new(&room)
+    };
+    // Walls are cut until no edge is longer, so what they are cut into is asked.
     let (edge, rays) = (0.4, 512);
-    let [coarse, fine] =
-        [cube_room(2.0, edge, rays), room_with_fine_wall(edge, rays)].map(|room| {
-            // As many functions as the coarse mesh can bear: with the default of 32
-            // for 1,000 vertices its 12 are 11 % off, which is no fault of fineness.
-            let mut room = room;
-            room.bake.functions = Some(FUNCTIONS);
-            room.bake.coefficients = Some(COEFFICIENTS);
-            Baked::new(&room)
-        });
-    assert!(
-        fine.vertex_count() > 4 * coarse.vertex_count(),
-        "{} and {} vertices",
-        fine.vertex_count(),
-        coarse.vertex_count()
-    );
+    let coarse = baked(cube_room(2.0, edge, rays));
+    let cells = (2.0 * FINER / shortest_edge(&coarse)).round() as u32;
+    let fine = baked(room_with_fine_wall(edge, rays, cells));
+    let finer = shortest_edge(&coarse) / shortest_edge(&fine);
+    at_least("how many times finer one wall is", finer, 0.999 * FINER);
     let lights = [point_light(DVec3::new(0.2, 0.1, 0.3), 1.0)];
     let [of_coarse, of_fine] =
         [&coarse, &fine].map(|room| room.indirect(&lights, 0.7, Bounces::Count(4)));
@@ -192,10 +211,11 @@ fn a_wall_ten_times_finer_changes_nothing() {
         });
         let found = Deviation::of(pairs);
         let what = format!(
-            "one wall ten times finer, wall {normal}, mean {:+.4}, worst {:.4}, rms",
-            found.mean, found.worst
+            "one wall ten times finer, wall {normal}, mean {:+.4}",
+            found.mean
         );
-        at_most(&what, found.rms, UNEVEN);
+        at_most(&format!("{what}, rms"), found.rms, UNEVEN);
+        at_most(&format!("{what}, worst"), found.worst, UNEVEN_WORST);
     }
     // The furnace and its twin: no ray is lost along the seams, where the fine
     // wall's corners lie inside its neighbours' edges, and rows tell walls apart.

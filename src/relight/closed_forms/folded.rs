@@ -6,6 +6,7 @@ use std::sync::Mutex;
 use glam::{DVec3, Vec3};
 
 use super::enclosures::{ENCLOSED_LIGHT, SPHERE};
+use super::operator::{LINEAR, assert_linear, unlike_fields};
 use super::{Baked, Deviation, at_least, at_most};
 use crate::bake::{Bake, Progress, RunSettings, Silent};
 use crate::relight::bounces::{BounceError, Transport};
@@ -87,6 +88,22 @@ fn folded_bounces_are_those_one_by_one_in_every_channel() {
     at_least("red over blue", sum(0) / sum(2), 3.0);
     let stated = bake.stats().folding.expect("an error is stated");
     at_most("stated error of folding", stated.mean, FOLDED);
+}
+
+/// Nothing is extrapolated here: single precision alone remains.
+#[test]
+fn folded_bounces_are_linear() {
+    let baked = Baked::new(&lit_room(false));
+    let albedo = colours(&baked);
+    let bake = folded(&baked, &albedo);
+    let transport = Transport {
+        bake: &bake,
+        level: Level::detect(),
+    };
+    assert_linear("folded", unlike_fields(&baked), LINEAR, |field| {
+        let solved = transport.solve_folded(field, &albedo);
+        solved.expect("they are folded").irradiance
+    });
 }
 
 #[test]

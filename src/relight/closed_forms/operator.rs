@@ -14,26 +14,36 @@ use crate::scene::sample_scenes::{
 use crate::scene::{Bounces, Scene};
 
 /// Linearity: single precision, sums of some hundred terms.
-const LINEAR: f64 = 1e-5;
+pub(super) const LINEAR: f64 = 1e-5;
+/// Linearity of "all", at the worst vertex: each of the three series stops where its
+/// extrapolated limit changes by less than 1e-5 in the mean, and a change is some 0.7
+/// of the one before, so 3 x 1e-5 / (1 - 0.7) = 1e-4 may be left in the mean, and a few
+/// times as much at one vertex. 2.2e-4 is measured; 1e-3 is a bounce too few.
+const LINEAR_LIMIT: f64 = 5e-4;
 /// Largest eigenvalue: the 200 bounces of albedo 0.99 end with 1 + 1e-4 at
 /// 14 % of the light and would at 1.01 grow without limit.
 const EIGENVALUE: f64 = 1.0 + 1e-4;
 /// Energy of a reciprocal T would be kept exactly. The mean over lights is.
 const ENERGY_MEAN: f64 = 0.02;
-/// A light close to a surface is a spike on a few vertices, which a truncated
-/// basis does not keep: measured 1.099 with 32 functions for 1,000 vertices, 1.22
-/// with 10, and 0.98 with 83 and 1,024 coefficients; 16 times the rays change
-/// less than 0.01.
-const ENERGY_WORST: f64 = 0.15;
-/// Share of rays that slip out of a closed room.
+/// The worst of the lights, a spike on a few vertices that a basis does not keep
+/// whole: 0.4 % is measured in both rooms. Bases that were cut to 32 functions for
+/// 1,000 vertices left 10 %.
+const ENERGY_WORST: f64 = 0.02;
+/// Share of rays that slip out of a closed room, in the mean over its vertices: a
+/// hundred of a million, as many as miss seams in a mesh of T-junctions at worst.
 const LEAK: f64 = 1e-4;
+/// Rays a vertex of the closed rooms.
+const RAYS: u32 = 512;
+/// The row of one vertex may be off 1 by half a ray: none of its rays is lost.
+/// (Single precision leaves 1e-6.)
+const ROW: f64 = 0.5 / RAYS as f64;
 /// The extrapolated limit of "all" against all its bounces summed, at the worst
 /// vertex: single precision, divided by 1 - 0.99.
 const EXTRAPOLATED: f64 = 1e-3;
 
 static OPEN_ROOM: LazyLock<Baked> =
     LazyLock::new(|| Baked::new(&room_with_blocks(false, 0.12, 256)));
-static CUBE: LazyLock<Baked> = LazyLock::new(|| Baked::new(&cube_room(2.0, 0.2, 512)));
+static CUBE: LazyLock<Baked> = LazyLock::new(|| Baked::new(&cube_room(2.0, 0.2, RAYS)));
 
 /// A reproducible radiosity of mean 0.5 that is not smooth.
 fn rough_field(vertex_count: usize, seed: u32) -> Vec<Vec3> {
@@ -43,25 +53,51 @@ fn rough_field(vertex_count: usize, seed: u32) -> Vec<Vec3> {
         .collect()
 }
 
+/// Two radiosities that are unlike each other, so that their series of bounces are:
+/// one everywhere, and one on one side of a room alone.
+pub(super) fn unlike_fields(room: &Baked) -> [Vec<Vec3>; 2] {
+    let [everywhere, mut beside] = [1, 2].map(|seed| rough_field(room.vertex_count(), seed));
+    for (v, sent) in beside.iter_mut().enumerate() {
+        if room.position(v).x < 0.3 {
+            *sent = Vec3::ZERO;
+        }
+    }
+    [everywhere, beside]
+}
+
+/// Insists that the answer to the sum of two fields is the sum of the answers to
+/// each, by channel and at the worst vertex.
+pub(super) fn assert_linear(
+    what: &str,
+    [a, b]: [Vec<Vec3>; 2],
+    limit: f64,
+    answer: impl Fn(&[Vec3]) -> Vec<Vec3>,
+) {
+    let both: Vec<Vec3> = a.iter().zip(&b).map(|(a, b)| *a + *b).collect();
+    let [of_a, of_b, of_both] = [a, b, both].map(|field| answer(&field));
+    for channel in 0..3 {
+        let values = (0..of_both.len()).map(|v| {
+            let apart = of_a[v] + of_b[v];
+            let [found, wanted] = [of_both[v], apart].map(|e| f64::from(e[channel]));
+            (1.0, found, wanted)
+        });
+        let what = format!("linearity, {what}, channel {channel}");
+        at_most(&what, Deviation::of(values).worst, limit);
+    }
+}
+
 #[test]
 fn bounced_light_is_linear() {
     let room = &*OPEN_ROOM;
-    let (a, b) = (
-        rough_field(room.vertex_count(), 1),
-        rough_field(room.vertex_count(), 2),
-    );
-    let sum: Vec<Vec3> = a.iter().zip(&b).map(|(a, b)| *a + *b).collect();
-    for bounces in [Bounces::Count(1), Bounces::Count(4)] {
-        let [of_a, of_b, of_sum] = [&a, &b, &sum].map(|field| room.solve(field, 0.8, bounces));
-        let values = (0..room.vertex_count()).map(|v| {
-            let apart = of_a[v] + of_b[v];
-            (1.0, f64::from(of_sum[v].x), f64::from(apart.x))
+    for (bounces, limit) in [
+        (Bounces::Count(1), LINEAR),
+        (Bounces::Count(4), LINEAR),
+        (Bounces::All, LINEAR_LIMIT),
+    ] {
+        let what = format!("{bounces:?}");
+        assert_linear(&what, unlike_fields(room), limit, |field| {
+            room.solve(field, 0.8, bounces)
         });
-        at_most(
-            &format!("linearity, {bounces:?}"),
-            Deviation::of(values).worst,
-            LINEAR,
-        );
     }
 }
 
@@ -83,7 +119,7 @@ fn no_light_is_exactly_no_light() {
 
 #[test]
 fn two_hundred_bounces_stay_bounded() {
-    let sphere = Baked::new(&hollow_sphere(1.0, 14, 512));
+    let sphere = Baked::new(&hollow_sphere(1.0, 14, RAYS));
     for (name, room) in [
         ("open room", &*OPEN_ROOM),
         ("cube", &*CUBE),
@@ -150,14 +186,14 @@ fn energy_is_nearly_kept_on_a_coarse_mesh() {
     assert_energy_kept("coarse cube", &CUBE);
 }
 
-/// 1 minus r_i: the mean over the inside, and the largest.
+/// 1 minus r_i: the mean over the inside, and the largest magnitude.
 fn leaks(room: &Baked) -> [f64; 2] {
     let arrived = room.apply(&vec![Vec3::ONE; room.vertex_count()]);
     let lost = |v: usize| 1.0 - f64::from(arrived[v].x);
     let count = room.fronts().len() as f64;
     [
         room.fronts().map(lost).sum::<f64>() / count,
-        largest(room.fronts().map(lost)),
+        largest(room.fronts().map(|v| lost(v).abs())),
     ]
 }
 
@@ -175,12 +211,12 @@ fn room_with_t_junctions() -> Scene {
         ];
         mesh.box_sides(corners, Facing::Inward, &BOX_SIDES[..1], 0);
     }
-    mesh.scene(&[0.5], 0.2, 512)
+    mesh.scene(&[0.5], 0.2, RAYS)
 }
 
 #[test]
 fn closed_rooms_keep_their_rays() {
-    let sphere = Baked::new(&hollow_sphere(1.0, 14, 512));
+    let sphere = Baked::new(&hollow_sphere(1.0, 14, RAYS));
     let junctions = Baked::new(&room_with_t_junctions());
     assert!(
         !junctions.surface.warnings.is_empty(),
@@ -192,11 +228,9 @@ fn closed_rooms_keep_their_rays() {
         ("box with T-junctions", &junctions),
     ] {
         let [mean, worst] = leaks(room);
-        at_most(
-            &format!("rays that leave, {name}, worst vertex {worst:.2e}, mean"),
-            mean,
-            LEAK,
-        );
+        at_most(&format!("rays that leave, {name}, mean"), mean, LEAK);
+        let what = format!("row sum off 1, {name}, worst vertex");
+        at_most(&what, worst, ROW);
     }
 }
 

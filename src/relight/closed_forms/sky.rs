@@ -1,16 +1,19 @@
-//! A constant sky: over a plane, and through the open top of a box.
+//! A constant sky: over a plane, and through the open top of a box. And skies of
+//! small bright patches, whose light adds up.
 
 use std::f64::consts::PI;
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 
 use super::area::{parallel_corner, perpendicular_corner};
-use super::{Baked, Deviation, at_most, frame_of, largest};
+use super::{Baked, Deviation, at_least, at_most, frame_of, largest};
 use crate::maths::order::Order;
 use crate::maths::sobol::ScrambledSobol;
 use crate::relight::Component;
-use crate::scene::sample_scenes::{BoxSide, Facing, SampleMesh, constant_sky};
-use crate::scene::{Bounces, Scene};
+use crate::scene::sample_scenes::{
+    BoxSide, Facing, SampleMesh, constant_sky, mapped_sky, room_with_window, sky_light,
+};
+use crate::scene::{Bounces, Light, PlacedLights, Scene};
 
 /// All rays escape; the response to a constant sky is kept to 1e-6.
 const OPEN: f64 = 1e-5;
@@ -19,6 +22,12 @@ const CLOSED_FORM: f64 = 5e-3;
 /// Noise of one vertex: 1,024 low-discrepancy rays, of which a seventh to a half
 /// escape.
 const VERTEX: f64 = 0.025;
+/// Light of skies together against the sum of each one's: single precision, share
+/// of the largest value.
+const LINEAR: f64 = 1e-5;
+/// How far below zero the rings of a bright patch go at least, share of the largest
+/// value: a clamp of that much would be a hundred times what linearity is held to.
+const RINGS: f64 = 1e-3;
 /// Points of a vertex's area in the mean that a vertex should have.
 const MANY_POINTS: u32 = 64;
 /// Radiance of the sky.
@@ -116,6 +125,56 @@ fn the_sky_looks_into_an_open_box() {
             &format!("{what}, worst {:.4}, rms", found.worst),
             found.rms,
             VERTEX,
+        );
+    }
+}
+
+/// Columns and rows of a map of the sky, and texels along a side of a bright patch:
+/// 11 degrees, as a cell of the sky. (One that is narrower, or has few texels, is a sun,
+/// which is a light of its own.)
+const MAP: [u32; 2] = [256, 128];
+const PATCH: u32 = 8;
+
+/// A dark sky with patches of some radiance, each from a column and a row on.
+pub(super) fn patchy_sky(name: &str, patches: &[([u32; 2], f32)]) -> Light {
+    let radiance = |column: u32, row: u32| {
+        let is_in = |first: [u32; 2]| {
+            let from_first = [column.wrapping_sub(first[0]), row.wrapping_sub(first[1])];
+            from_first.iter().all(|texels| *texels < PATCH)
+        };
+        let here = patches.iter().filter(|(first, _)| is_in(*first));
+        here.map(|(_, radiance)| radiance).sum()
+    };
+    sky_light(mapped_sky(name, MAP, radiance))
+}
+
+#[test]
+fn light_of_skies_adds_up() {
+    let room = Baked::new(&room_with_window(0.5, true, 0.25, 256));
+    let [a, b] = [([52, 40], 20.0), ([68, 60], 30.0)];
+    let [of_a, of_b] = [("a", a), ("b", b)].map(|(name, patch)| patchy_sky(name, &[patch]));
+    let together = patchy_sky("both", &[a, b]);
+    for light in [&of_a, &of_b, &together] {
+        let placed = PlacedLights::of_file(std::slice::from_ref(light), &room.surface.placement);
+        assert!(placed.suns().is_empty(), "a patch is taken for a sun");
+    }
+    let [alone_a, alone_b] = [&of_a, &of_b].map(|light| room.sky(std::slice::from_ref(light)));
+    let apart: Vec<Vec3> = alone_a.iter().zip(&alone_b).map(|(a, b)| *a + *b).collect();
+    let scale = largest(apart.iter().map(|e| f64::from(e.abs().max_element())));
+    for (name, alone) in [("a", &alone_a), ("b", &alone_b)] {
+        let below = largest(alone.iter().map(|e| f64::from((-*e).max_element())));
+        let what = format!("light of sky {name} below zero, share of the largest");
+        at_least(&what, below / scale, RINGS);
+    }
+    for (name, lights) in [("two skies", vec![of_a, of_b]), ("one map", vec![together])] {
+        let offs = room.sky(&lights);
+        assert_eq!(offs.len(), apart.len(), "{name}: vertices");
+        let offs = offs.iter().zip(&apart);
+        let offs = offs.map(|(e, sum)| f64::from((*e - *sum).abs().max_element()));
+        at_most(
+            &format!("{name} against the sum of both"),
+            largest(offs) / scale,
+            LINEAR,
         );
     }
 }

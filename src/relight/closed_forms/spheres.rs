@@ -15,6 +15,12 @@ use crate::scene::{Bounces, Light};
 /// patch's step of brightness, after averaging over a sixth of the sphere.
 const PATCHES: f64 = 0.02;
 
+/// The worst of 4,842 vertices. The spot lights a small part of the sphere, so few of
+/// a vertex's 1,024 rays bring light: one bounce of it is 0.9 % off in the root mean
+/// square, and 4.6 % at the vertex where noise and ringing are most. All other lights
+/// stay below 2.8 %.
+const WORST_VERTEX: f64 = 0.06;
+
 /// Area of the mesh, file units.
 fn total_area() -> f64 {
     let scale = SPHERE.surface.placement.scale;
@@ -67,10 +73,11 @@ fn a_hollow_sphere_is_lit_evenly_from_anywhere() {
                         .map(|v| (SPHERE.area(v), f64::from(irradiance[v].x), wanted)),
                 );
                 let what = format!(
-                    "sphere, {name}, albedo {albedo}, {bounces:?}: mean {:+.4}, worst {:.4}, rms",
-                    found.mean, found.worst
+                    "sphere, {name}, albedo {albedo}, {bounces:?}: mean {:+.4}",
+                    found.mean
                 );
-                at_most(&what, found.rms, ENCLOSED_LIGHT);
+                at_most(&format!("{what}, rms"), found.rms, ENCLOSED_LIGHT);
+                at_most(&format!("{what}, worst"), found.worst, WORST_VERTEX);
             }
         }
     }
