@@ -72,6 +72,16 @@ impl VertexGraph {
         })
     }
 
+    /// The same vertices without some of the edges.
+    pub(crate) fn without(&self, is_cut: impl Fn(u32, u32) -> bool) -> Self {
+        let vertices = 0..self.vertex_count() as u32;
+        let edges: Vec<(u32, u32, u32)> = vertices
+            .flat_map(|a| self.edges_of(a).map(move |(b, cost)| (a, b, cost)))
+            .filter(|&(a, b, _)| a < b && !is_cut(a, b))
+            .collect();
+        Self::from_edges(self.vertex_count() as u32, &edges).expect("edges of a graph")
+    }
+
     /// Number of vertices.
     pub(crate) fn vertex_count(&self) -> usize {
         self.offsets.len() - 1
@@ -171,6 +181,15 @@ fn row_offsets(vertex_count: u32, directed: &[(u32, u32, u32)]) -> Vec<u32> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn edges_that_are_cut_are_gone_from_both_ends() {
+        let graph = VertexGraph::from_edges(4, &[(0, 1, 3), (1, 2, 5), (2, 3, 7)]).unwrap();
+        let cut = graph.without(|a, b| (a, b) == (1, 2));
+        let kept = VertexGraph::from_edges(4, &[(0, 1, 3), (2, 3, 7)]).unwrap();
+        assert_eq!(cut, kept);
+        assert_eq!(cut.connected_components(), [vec![0, 1], vec![2, 3]]);
+    }
 
     #[test]
     fn equal_edges_keep_the_smallest_cost() {

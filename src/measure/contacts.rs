@@ -38,8 +38,10 @@ fn squared_distance(point: Vec3, [from, to]: [Vec3; 2]) -> f32 {
 
 #[cfg(test)]
 mod tests {
+    use glam::DVec3;
+
     use super::*;
-    use crate::scene::sample_scenes::room_with_blocks;
+    use crate::scene::sample_scenes::{BOX_SIDES, Facing, SampleMesh};
     use crate::surface::Detail;
 
     #[test]
@@ -52,34 +54,37 @@ mod tests {
     }
 
     #[test]
-    fn vertices_around_blocks_are_near_their_contacts_and_the_ceiling_is_not() {
-        let scene = room_with_blocks(false, 0.3, 64);
+    fn vertices_around_a_box_are_near_its_contacts_and_the_ceiling_is_not() {
+        let mut mesh = SampleMesh::default();
+        let room = [DVec3::NEG_ONE, DVec3::ONE];
+        mesh.box_sides(room, Facing::Inward, &BOX_SIDES, 0);
+        let standing = [DVec3::new(-0.4, -1.0, -0.3), DVec3::new(0.3, -0.2, 0.4)];
+        let others: Vec<_> = BOX_SIDES
+            .into_iter()
+            .filter(|side| *side != (1, false))
+            .collect();
+        mesh.box_sides(standing, Facing::Outward, &others, 0);
+        let scene = mesh.scene(&[0.5], 0.3, 64);
         let surface = Surface::fronts(&scene, &Detail::of_keys(&scene.bake));
-        assert!(
-            !surface.mesh.contacts.is_empty(),
-            "the blocks stand on the floor"
-        );
+        let contacts = surface.mesh.contacts.iter().flatten();
+        let contacts = contacts.map(|&i| surface.mesh.positions[i as usize]);
+        let on_contacts: Vec<Vec3> = contacts.collect();
+        assert!(!on_contacts.is_empty(), "the box stands on the floor");
         let all: Vec<u32> = (0..surface.vertices.len() as u32).collect();
         let near = are_near(&surface, &all);
-        let positions = surface.vertices.positions();
-        let on_contact = surface
-            .mesh
-            .contacts
-            .iter()
-            .flatten()
-            .map(|&i| surface.mesh.positions[i as usize]);
-        let on_contact: Vec<Vec3> = on_contact.collect();
         let (mut found, mut far) = (0, 0);
-        for (position, is_near) in positions.iter().zip(&near) {
-            if on_contact.contains(position) {
+        for (position, is_near) in surface.vertices.positions().iter().zip(&near) {
+            if on_contacts.contains(position) {
                 assert!(is_near, "{position} is on a contact");
                 found += 1;
             }
             far += u32::from(!is_near);
         }
+        assert!(found > 0, "no vertex is on a contact");
         assert!(
-            found > 0 && far as usize > all.len() / 2,
-            "{found} on contacts, {far} far"
+            far as usize > all.len() / 2,
+            "{far} of {} are far",
+            all.len()
         );
     }
 }

@@ -262,7 +262,7 @@ mod tests {
         let functions = |partitions| Swept::Functions.values_from(partitions);
         assert_eq!(functions(1), FUNCTIONS);
         assert_eq!(functions(32), FUNCTIONS);
-        assert_eq!(functions(140), FUNCTIONS[2..]);
+        assert_eq!(functions(140), &FUNCTIONS[2..]);
         assert_eq!(functions(5000), [2048]);
         assert_eq!(Swept::Rays.values_from(5000), RAYS);
     }

@@ -50,8 +50,12 @@ pub(super) fn find(size: [usize; 2], texels: &[Vec3]) -> Option<(Sun, Vec<Vec3>)
     let peak = map.brightest()?;
     let surroundings = map.ring_mean(peak)?;
     let level = gray(surroundings);
-    let threshold =
-        (ABOVE_SURROUNDINGS * level).at_least(SHARE_OF_PEAK * gray(texels[peak].as_dvec3()));
+    let brightness = map.brightness(peak);
+    let threshold = (ABOVE_SURROUNDINGS * level).at_least(SHARE_OF_PEAK * brightness);
+    if brightness < threshold {
+        // A patch that is wider than the ring is what surrounds its own texels.
+        return None;
+    }
     let cluster = map.cluster(peak, threshold)?;
     let sun = map.sun_of(&cluster, surroundings)?;
     map.outshines_the_rest(&cluster, threshold, level)

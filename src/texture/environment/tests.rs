@@ -153,7 +153,7 @@ fn what_is_no_sun_is_left() {
             .iter()
             .any(|&lamp| disc(d, lamp, radius))
     };
-    let maps: [(&str, EnvironmentMap); 5] = [
+    let maps: [(&str, EnvironmentMap); 6] = [
         ("gradient", map_of([256, 128], |d| 1.0 + 0.9 * d.y)),
         (
             "overcast with a bright patch",
@@ -172,6 +172,10 @@ fn what_is_no_sun_is_left() {
         (
             "lamps",
             map_of([256, 128], |d| if around(d, 9, 2.0) { 900.0 } else { 0.2 }),
+        ),
+        (
+            "plain patch of a few texels",
+            map_of([64, 32], |d| if disc(d, Vec3::X, 8.5) { 1.0 } else { 0.0 }),
         ),
         ("dark", map_of([256, 128], |_| 0.0)),
     ];
