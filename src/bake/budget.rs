@@ -27,7 +27,7 @@ const GROUPS: usize = 64;
 /// Rays of each half of the truth, and of what the lights' strength is found by.
 const TRUE_RAYS: u32 = 4096;
 const STRENGTH_RAYS: u32 = 1024;
-/// Trials at most.
+/// Trials with more at most; giving back ends at the bounds below.
 const MOST_TRIALS: usize = 10;
 /// The trials aim at this share of what is asked: a whole bake under other
 /// lights comes out up to so much worse.
@@ -153,9 +153,12 @@ impl<'a> Trial<'a> {
         let importance = Importance::of(places, run, &basis)?;
         let lights = TestLights::of(places, &basis, SEED);
         let count = basis.part_count();
-        let pilots = PILOT_PARTS.min(count);
         let mut is_pilot = vec![false; count];
-        (0..pilots).for_each(|i| is_pilot[(2 * i + 1) * count / (2 * pilots)] = true);
+        // By vertices: a shred of a few is a partition too.
+        for place in (1..2 * PILOT_PARTS).step_by(2) {
+            let slot = place * basis.slot_count() / (2 * PILOT_PARTS);
+            is_pilot[basis.row(slot as u32).0 as usize] = true;
+        }
         let slots: Vec<_> = (0..count as u32)
             .filter(|&part| is_pilot[part as usize])
             .map(|part| basis.slot_range(part))
@@ -286,6 +289,28 @@ mod tests {
             coefficients: false,
         };
         assert_eq!(grown(&settings, &basis, 10_000), None);
+    }
+
+    #[test]
+    fn what_is_not_needed_is_given_back_down_to_a_bound() {
+        let mut settings = BakeSettings::of_keys(&room_with_blocks(true, 0.3, 64).bake);
+        settings.free = FreeKeys {
+            rays: true,
+            functions: true,
+            coefficients: true,
+        };
+        (settings.rays, settings.coefficients) = (512, 72);
+        let fewer = fewer_rays(&settings).unwrap();
+        assert_eq!((fewer.rays, fewer.coefficients), (256, 72));
+        let fewer = fewer_coefficients(&settings).unwrap();
+        assert_eq!((fewer.rays, fewer.coefficients), (512, 54));
+        (settings.rays, settings.coefficients) = (128, 20);
+        assert_eq!(fewer_rays(&settings), None);
+        assert_eq!(fewer_coefficients(&settings), None);
+        (settings.rays, settings.coefficients) = (512, 72);
+        (settings.free.rays, settings.free.coefficients) = (false, false);
+        assert_eq!(fewer_rays(&settings), None);
+        assert_eq!(fewer_coefficients(&settings), None);
     }
 
     fn baked(error: Option<f64>, rays: Option<u32>) -> Bake {

@@ -79,7 +79,8 @@ impl VertexGraph {
             .flat_map(|a| self.edges_of(a).map(move |(b, cost)| (a, b, cost)))
             .filter(|&(a, b, _)| a < b && !is_cut(a, b))
             .collect();
-        Self::from_edges(self.vertex_count() as u32, &edges).expect("edges of a graph")
+        Self::from_edges(self.vertex_count() as u32, &edges)
+            .expect("edges of this graph name its vertices")
     }
 
     /// Number of vertices.

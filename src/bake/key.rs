@@ -6,7 +6,7 @@ use super::{BakeSettings, Scheme};
 use crate::surface::Surface;
 
 /// Changes whenever the same input gives another bake or the file another form.
-pub(super) const ALGORITHM_VERSION: u32 = 15;
+pub(super) const ALGORITHM_VERSION: u32 = 16;
 
 /// Changes whenever the same bake is folded in another way.
 const FOLDING_VERSION: u32 = 1;

@@ -110,10 +110,12 @@ pub(crate) fn light_seeds() -> Vec<u32> {
     vec![STATED_SEED, budget::SEED, choosing, reporting]
 }
 
-/// Seeds of the rays of truths that a bake is chosen or measured by.
+/// Seeds of the rays of a bake's rows and views, and of truths that it is chosen or
+/// measured by.
 #[cfg(test)]
-pub(crate) fn truth_seeds() -> Vec<u32> {
-    [audit::TRUE_SEEDS, budget::TRUE_SEEDS].concat()
+pub(crate) fn ray_seeds() -> Vec<u32> {
+    let of_rows = [transfer::SEED, places::SEED];
+    [of_rows, audit::TRUE_SEEDS, budget::TRUE_SEEDS].concat()
 }
 
 /// Constants that the table of methods chose, by the names of its knobs.

@@ -21,7 +21,7 @@ use crate::surface::{NONE, Ray, Surface, SurfacePoint, offset_origin};
 /// Rays a vertex that look around.
 const RAYS: u32 = 64;
 /// Seed of these rays.
-const SEED: u32 = 0x5ce1;
+pub(super) const SEED: u32 = 0x5ce1;
 /// Prior skies, in an open scene.
 const SKIES: usize = 7;
 /// Distances of lights from the surface, shares of the extent.
@@ -32,8 +32,8 @@ const INSIDE_FREE_SPACE: f32 = 0.9;
 /// Share of all rays that must escape for suns to have places.
 const OPEN_SHARE: f64 = super::sky::OPEN_SHARE;
 
-/// Neighbours whose shares of rays that arrive differ by more than this are none for
-/// the basis: functions that go on from one to the other carry light along. 64 rays
+/// Neighbours whose shares of rays that arrive differ by more than this are not
+/// joined by the basis: functions that go on from one to the other carry light along. 64 rays
 /// know a share to some 0.06. Error of one bounce in per cent without this, at 0.3, 0.25
 /// and 0.2, by 512 rays, under lights that bakes stated their error by at the time:
 /// `sheet`, whose middle wall rises 5 cm above the roofs, 4.0, 3.4, 3.4 and 2.8 (a lamp

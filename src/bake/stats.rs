@@ -108,7 +108,8 @@ impl BakeStats {
         if reached.lights == 0 {
             let asked = percent(asked);
             return Some(format!(
-                "no test light brings indirect light: whether it is within {asked}, as was asked for, is not known"
+                "no test light brings indirect light: whether that of others is within {asked}, as was \
+                 asked for, is not known"
             ));
         }
         if reached.mean <= asked {

@@ -22,7 +22,7 @@ pub(crate) const GROUP: usize = 8;
 /// Vertices whose rays one task of [`trace_arrivals`] traces.
 const VERTICES_PER_TASK: usize = 32;
 /// Seed of the transfer's rays.
-const SEED: u32 = 0x7a45;
+pub(super) const SEED: u32 = 0x7a45;
 /// A row whose first rays have all escaped, so many, has no more of them: the
 /// outsides of walls, nearly half of the vertices of a room with a window, would
 /// take as many rays as its inside. One that still sees a surface sees less than

@@ -130,7 +130,7 @@ pub(super) fn section() -> Section {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bake::{BakeSettings, chosen_by, light_seeds, truth_seeds};
+    use crate::bake::{BakeSettings, chosen_by, light_seeds, ray_seeds};
     use crate::measure::vertices::{LAST_SEEDS, LIGHT_SEED, ROW_SEEDS};
     use crate::scene::BakeKeys;
 
@@ -210,9 +210,9 @@ mod tests {
     fn choosing_has_seen_no_light_of_a_report_or_a_bake() {
         let mut lights = light_seeds();
         lights.extend([recorded_seed(), LIGHT_SEED]);
-        let mut truths = truth_seeds();
-        truths.extend([ROW_SEEDS, LAST_SEEDS].concat());
-        for mut seeds in [lights, truths] {
+        let mut rays = ray_seeds();
+        rays.extend([ROW_SEEDS, LAST_SEEDS].concat());
+        for mut seeds in [lights, rays] {
             let count = seeds.len();
             seeds.sort_unstable();
             seeds.dedup();

@@ -272,7 +272,8 @@ fn transfer_chapters(
 struct Cost {
     /// Rays a vertex that are kept.
     most_rays: u32,
-    /// What tracing one from every vertex took, in the mean.
+    /// What tracing one from every vertex took, in the mean, with the preparation of the
+    /// surface.
     seconds_a_ray: f64,
     /// Of the scene's own bake.
     bake_seconds: f64,

@@ -131,7 +131,11 @@ impl Sweeper<'_> {
                 }
                 let settings = swept.put(settings, value);
                 let is_start = match swept {
-                    Swept::Functions => value == start.functions_asked,
+                    Swept::Functions => {
+                        let are_alike = |count: u32| count as usize <= start.partitions;
+                        let asked = start.functions_asked;
+                        value == asked || are_alike(value) && are_alike(asked)
+                    }
                     Swept::Coefficients => value == start.coefficients_asked,
                     Swept::Rays => value == start.rays,
                 };

@@ -103,6 +103,8 @@ fn of_parts(
     let groups = receiver_groups(basis);
     let mut parts_in_order: Vec<u32> = (0..basis.part_count() as u32).collect();
     parts_in_order.sort_by_key(|&part| first_vertex(basis, part));
+    // Whoever is next to whom, also where the basis joins nothing: how far averaging goes
+    // is chosen by what it costs.
     let graph = vertex_graph(task.surface);
     let job = Job {
         surface: task.surface,

@@ -157,7 +157,8 @@ fn costs(swept: Swept) -> &'static [CostPlot] {
             ["bake", "s"],
             |point| point.bake_seconds,
             "Error against the bake's time by the clock, one bounce: rays, basis and operator. The \
-             scene's own bake has sides, sky and the statement of its error in it.",
+             scene's own bake has all that a bake does in it: sides, sky, the statement of its \
+             error, and the search for one that is asked for.",
         )],
     }
 }

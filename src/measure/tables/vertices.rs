@@ -27,7 +27,11 @@ fn light_columns() -> [Column; 4] {
 }
 
 fn light_cells(errors: LightErrors) -> [Cell; 4] {
-    [errors.mean, errors.p95, errors.worst, errors.signed].map(in_percent)
+    let cell = match errors.lights {
+        0 => |_| Cell::Missing,
+        _ => in_percent,
+    };
+    [errors.mean, errors.p95, errors.worst, errors.signed].map(cell)
 }
 
 /// Errors over the test lights.
