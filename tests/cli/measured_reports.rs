@@ -110,8 +110,8 @@ fn report_is_whole(report: &Path) {
     }
 }
 
-/// The three sources of the error, which a basis of 64 functions and 64 rays have in
-/// sizes that are known: noise alone is as large as all of it.
+/// The three sources of the error: noise of 64 rays is as large as all of it, and a
+/// full basis has no part in it.
 fn errors_have_parts(report: &Path, object: &Value) {
     let table = fs::read_to_string(report.join("tables/error-parts.csv")).expect("the parts");
     for scheme in ["relume", "paper"] {
@@ -128,12 +128,15 @@ fn errors_have_parts(report: &Path, object: &Value) {
         assert!((mean("total") - total).abs() < 1e-4, "{scheme}: {table}");
         let noise = mean("noise of the sampled rows");
         assert!((0.1..0.3).contains(&noise), "{scheme}: {table}");
-        for part in ["basis", "compression"] {
-            assert!(
-                (1e-3..MOST_ERROR).contains(&mean(part)),
-                "{scheme}: {table}"
-            );
-        }
+        let compression = mean("compression");
+        assert!((1e-3..MOST_ERROR).contains(&compression), "{table}");
+        // The published scheme has more functions than there are vertices.
+        let basis = if scheme == "paper" {
+            0.0..1e-5
+        } else {
+            1e-3..MOST_ERROR
+        };
+        assert!(basis.contains(&mean("basis")), "{scheme}: {table}");
     }
 }
 
