@@ -304,10 +304,12 @@ fn light_on_a_wall_above_the_roof_stays_outside() {
         if place.x > 0.01 || room.normal(v).x < 0.9 || place.z.abs() > 0.8 {
             continue;
         }
-        lit += room.area(v) * f64::from(direct[v].x).powi(2);
+        let lit_by = f64::from(direct[v].x);
+        lit += room.area(v) * lit_by * lit_by;
         if (0.2..1.9).contains(&place.y) {
             assert_eq!(direct[v], Vec3::ZERO, "the light shines into the room");
-            carried += room.area(v) * f64::from(light.x).powi(2);
+            let light = f64::from(light.x);
+            carried += room.area(v) * light * light;
         }
     }
     at_least("light on a wall above the roof, squared", lit, 1e-3);
