@@ -29,9 +29,14 @@ const TRUE_RAYS: u32 = 4096;
 const STRENGTH_RAYS: u32 = 1024;
 /// Trials with more at most; giving back ends at the bounds below.
 const MOST_TRIALS: usize = 10;
-/// The trials aim at this share of what is asked: a whole bake under other
+/// Trials that grow end at this share of what is asked: a whole bake under other
 /// lights comes out up to so much worse.
 const AIM: f64 = 0.85;
+/// Trials that give back end at this one: what they leave has no other trial. Asked for
+/// 2 %, `cornell` states 1.70 % where a trial said 1.47, `sheet` 1.31 for 1.52, and a
+/// bunny in a room 1.57 for 1.28. By 0.85 that bunny gave back what it needed and
+/// stated 2.18 for at most 1.70.
+const AIM_BACK: f64 = 0.7;
 /// Bounds of what is chosen.
 const RAYS: std::ops::RangeInclusive<u32> = 128..=16_384;
 const COEFFICIENTS: std::ops::RangeInclusive<u32> = 16..=256;
@@ -60,7 +65,7 @@ pub(super) fn settings_for_error(
         for fewer in [fewer_rays, fewer_coefficients] {
             while let Some(next) = fewer(&chosen) {
                 trial.change(next)?;
-                if trial.errors()?.total.mean > aim {
+                if trial.errors()?.total.mean > error * AIM_BACK {
                     break;
                 }
                 chosen = next;
@@ -246,14 +251,21 @@ mod tests {
         }
     }
 
+    /// Settings of which no key is set.
+    fn all_free() -> BakeSettings {
+        BakeSettings {
+            free: FreeKeys {
+                rays: true,
+                functions: true,
+                coefficients: true,
+            },
+            ..BakeSettings::of_keys(&room_with_blocks(true, 0.3, 64).bake)
+        }
+    }
+
     #[test]
     fn what_is_to_blame_grows_and_what_is_set_stays() {
-        let mut settings = BakeSettings::of_keys(&room_with_blocks(true, 0.3, 64).bake);
-        settings.free = FreeKeys {
-            rays: true,
-            functions: true,
-            coefficients: true,
-        };
+        let mut settings = all_free();
         (settings.functions, settings.rays) = (Some(100), 512);
         let basis = ErrorParts {
             total: of_mean(0.10),
@@ -293,12 +305,7 @@ mod tests {
 
     #[test]
     fn what_is_not_needed_is_given_back_down_to_a_bound() {
-        let mut settings = BakeSettings::of_keys(&room_with_blocks(true, 0.3, 64).bake);
-        settings.free = FreeKeys {
-            rays: true,
-            functions: true,
-            coefficients: true,
-        };
+        let mut settings = all_free();
         (settings.rays, settings.coefficients) = (512, 72);
         let fewer = fewer_rays(&settings).unwrap();
         assert_eq!((fewer.rays, fewer.coefficients), (256, 72));

@@ -8,6 +8,9 @@ use crate::surface::Surface;
 /// Changes whenever the same input gives another bake or the file another form.
 pub(super) const ALGORITHM_VERSION: u32 = 16;
 
+/// Changes whenever the search for an error that is asked for ends at other settings.
+const SEARCH_VERSION: u32 = 1;
+
 /// Changes whenever the same bake is folded in another way.
 const FOLDING_VERSION: u32 = 1;
 
@@ -38,7 +41,7 @@ impl BakeKey {
         if let Some(error) = settings.error {
             let bits = error.to_bits();
             let free = settings.free;
-            words(&[bits as u32, (bits >> 32) as u32]);
+            words(&[SEARCH_VERSION, bits as u32, (bits >> 32) as u32]);
             words(&[free.rays, free.functions, free.coefficients].map(u32::from));
         }
         // Another partitioner makes another bake of the published scheme.
