@@ -5,7 +5,8 @@ use glam::Vec3;
 use super::{BakeSettings, Scheme};
 use crate::surface::Surface;
 
-/// Changes whenever the same input gives another bake or the file another form.
+/// Changes whenever the same input gives another bake, but for what the two below
+/// say, or the file another form.
 pub(super) const ALGORITHM_VERSION: u32 = 16;
 
 /// Changes whenever the search for an error that is asked for ends at other settings.
@@ -104,5 +105,42 @@ impl BakeKey {
             .map(|byte| format!("{byte:02x}"))
             .collect();
         format!("{hex}.bake")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bake::FreeKeys;
+    use crate::scene::sample_scenes::room_with_blocks;
+    use crate::surface::Detail;
+
+    #[test]
+    fn whether_a_key_was_set_counts_where_an_error_is_asked_for() {
+        let scene = room_with_blocks(false, 0.3, 64);
+        let surface = Surface::fronts(&scene, &Detail::of_keys(&scene.bake));
+        let name = |error: Option<f64>, rays: bool| {
+            let free = FreeKeys {
+                rays,
+                functions: true,
+                coefficients: true,
+            };
+            let settings = BakeSettings {
+                error,
+                free,
+                ..BakeSettings::of_keys(&scene.bake)
+            };
+            BakeKey::of(&surface, &settings).file_name()
+        };
+        assert_eq!(name(None, true), name(None, false));
+        let asked = [
+            name(None, true),
+            name(Some(0.02), true),
+            name(Some(0.02), false),
+            name(Some(0.03), true),
+        ];
+        for (place, one) in asked.iter().enumerate() {
+            assert!(!asked[..place].contains(one), "{place}");
+        }
     }
 }
