@@ -97,6 +97,10 @@ pub(in crate::bake) struct Factors {
     pub(in crate::bake) energies: Vec<f64>,
 }
 
+/// A component of less energy has a length that single precision does not hold; whoever
+/// divided by it would have numbers that are not finite.
+const LEAST_ENERGY: f64 = (f32::MIN_POSITIVE as f64) * (f32::MIN_POSITIVE as f64);
+
 impl Factors {
     /// Components that bring so much energy for each of their bytes.
     pub(in crate::bake) fn rank_worth(&self, energy_a_byte: f64) -> usize {
@@ -221,7 +225,7 @@ pub(super) fn rotated(basis: &Block, right: &Matrix, rank: usize) -> Factors {
             }
         }
     }
-    let eigen = symmetric_eigen(gram, width).expect("sums of squares of finite numbers are finite");
+    let eigen = symmetric_eigen(gram, width).expect("finite symmetric matrices have eigenvectors");
     let kept = rank.min(width);
     // Descending: the last eigenvectors first.
     let turns: Vec<&[f64]> = eigen.vectors.chunks_exact(width).rev().take(kept).collect();
@@ -254,7 +258,9 @@ pub(super) fn rotated(basis: &Block, right: &Matrix, rank: usize) -> Factors {
             columns: kept,
             values: turned,
         },
-        energies: values.map(|&v| if v > 0.0 { v } else { 0.0 }).collect(),
+        energies: values
+            .map(|&v| if v >= LEAST_ENERGY { v } else { 0.0 })
+            .collect(),
         noise_of_right: Matrix::default(),
     }
 }
