@@ -144,7 +144,7 @@ impl BakeForecast {
             glossy_vertices: bake.slices().map_or(0, Slices::vertex_count),
             slice_bytes: bake.slices().map_or(0, Slices::bytes),
             folded_bytes: bake.folded_bytes(),
-            peak_bytes: peak_bytes(vertices, file_bytes, LOADING_COPIES),
+            peak_bytes: peak_bytes(vertices, BYTES_A_VERTEX, file_bytes as f64 * LOADING_COPIES),
             seconds: 0.0,
         }
     }
@@ -168,19 +168,21 @@ impl BakeForecast {
 }
 
 /// Memory of the program itself and of a vertex (its share of the mesh and the
-/// ray tree), and copies of the bake's bytes that are in memory at the worst
-/// moment: rows group by group, joined rows whose lists have grown, and the
-/// file. Measured on two threads, most resident memory in MB against this:
-/// cornell 88/94, window 93/98, statues 156/147, spot_cow 46/42 (and 6 of
-/// images), bunny_room 204/199.
+/// ray tree), and copies of the bake's bytes that are in memory where it is read: the file
+/// and the bake.
 const PROGRAM_BYTES: usize = 10_000_000;
 const BYTES_A_VERTEX: usize = 550;
-const BAKING_COPIES: f64 = 4.5;
-/// The same where the bake is read: the file and the bake.
 const LOADING_COPIES: f64 = 2.0;
+/// A vertex and copies where the bake is made: factors of all partitions and light of all
+/// test lights, and at the worst moment rows group by group, joined rows whose lists have
+/// grown, and the file. Most resident memory in MB against this, by the defaults on two
+/// threads (more of them were not tried): sheet 146/168, cornell 187/212, window 234/236,
+/// statues 301/319.
+const BAKING_BYTES_A_VERTEX: usize = 2600;
+const BAKING_COPIES: f64 = 4.5;
 
-fn peak_bytes(vertices: usize, file_bytes: usize, copies: f64) -> usize {
-    PROGRAM_BYTES + vertices * BYTES_A_VERTEX + (file_bytes as f64 * copies) as usize
+fn peak_bytes(vertices: usize, bytes_a_vertex: usize, copies_of_file: f64) -> usize {
+    PROGRAM_BYTES + vertices * bytes_a_vertex + copies_of_file as usize
 }
 
 /// Times of stages for each vertex, in rays of the transfer. Measured in
@@ -294,7 +296,11 @@ fn with_sides(
         glossy_vertices,
         slice_bytes,
         folded_bytes: 0,
-        peak_bytes: peak_bytes(vertices, bytes, BAKING_COPIES),
+        peak_bytes: peak_bytes(
+            vertices,
+            BAKING_BYTES_A_VERTEX,
+            bytes as f64 * BAKING_COPIES,
+        ),
         seconds: seconds_a_row * rows as f64
             + survey.seconds_a_ray * rays_a_vertex * vertices as f64,
     };
