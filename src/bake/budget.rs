@@ -434,6 +434,9 @@ mod tests {
         let hard = baked(Some(0.04), None);
         assert!(hard.stats().rays >= easy.stats().rays);
         assert!(hard.stats().errors.total.mean < easy.stats().errors.total.mean);
+        let missed = hard.stats().errors.total.mean > 0.04;
+        let why = hard.stats().shortfall().unwrap_or_default();
+        assert_eq!(missed, why.contains("4.00 % were asked for"), "{why}");
         let fixed = baked(Some(0.001), Some(64));
         assert_eq!(fixed.stats().rays, 64, "a key that is set stays");
         let why = fixed

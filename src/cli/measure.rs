@@ -83,6 +83,7 @@ fn measured(arguments: &Measure, folder: &Path) -> Result<Report, CliError> {
 fn main_figures(figures: &MainFigures) -> Value {
     let schemes = figures.schemes.iter().map(|it| {
         let object = json!({
+            "partitioner": it.scheme.partitioner().name(),
             "bytes_per_vertex": it.bytes_per_vertex,
             "one_bounce": errors(&it.one_bounce),
             "four_bounces": errors(&it.four_bounces),

@@ -318,13 +318,26 @@ impl Deviation {
     }
 }
 
-/// The largest of some magnitudes, 0 of none. `f64::max` alone passes over what
-/// is not a number, and a fault would look like a perfect match.
+/// The largest of some magnitudes. None at all, or one that is not a number (which
+/// `f64::max` passes over), would make a fault look like a perfect match.
 fn largest(magnitudes: impl IntoIterator<Item = f64>) -> f64 {
-    magnitudes.into_iter().fold(0.0, |largest, magnitude| {
-        assert!(!magnitude.is_nan(), "a figure is not a number");
-        f64::at_least(largest, magnitude)
-    })
+    magnitudes
+        .into_iter()
+        .inspect(|magnitude| assert!(!magnitude.is_nan(), "a figure is not a number"))
+        .reduce(f64::at_least)
+        .expect("there is a figure to look at")
+}
+
+#[test]
+#[should_panic(expected = "not a number")]
+fn what_is_not_a_number_is_no_match() {
+    largest([f64::NAN, 1.0]);
+}
+
+#[test]
+#[should_panic(expected = "figure to look at")]
+fn nothing_is_no_match() {
+    largest([]);
 }
 
 /// Prints a figure beside its limit and insists on it.

@@ -47,6 +47,9 @@ fn a_report_has_both_schemes_and_sane_figures() {
         assert!((32.0..=64.0).contains(&number(lights)), "{figures}");
         assert!(number(&figures["bytes_per_vertex"]) > 10.0, "{figures}");
         assert!(number(&figures["relight_ms"]) > 0.0, "{figures}");
+        let of_paper = scheme == "paper" && cfg!(feature = "metis");
+        let partitioner = if of_paper { "metis" } else { "relume" };
+        assert_eq!(figures["partitioner"], partitioner);
     }
     assert_eq!(object["receivers"], object["vertices"], "all of so few");
     assert!(number(&object["noise_of_truth"][0]) > 0.0, "{object}");
@@ -97,6 +100,10 @@ fn report_is_whole(report: &Path) {
     ] {
         let bytes = fs::read(report.join(file)).unwrap_or_default();
         assert!(bytes.len() > 60, "{file}: {} bytes", bytes.len());
+        if file.ends_with(".csv") {
+            let table = String::from_utf8(bytes).expect("a table is text");
+            has_rows_of_numbers(file, &table);
+        }
     }
     for sweep in ["functions", "coefficients", "rays"] {
         let path = report.join(format!("tables/sweep-{sweep}.csv"));
@@ -108,6 +115,21 @@ fn report_is_whole(report: &Path) {
         let defaults = table.lines().filter(|line| line.ends_with("default"));
         assert_eq!(defaults.count(), 2, "{sweep}: one a scheme: {table}");
     }
+}
+
+/// Numbers below the head, in two rows at least (a light that brings nothing has none),
+/// and no infinite one.
+fn has_rows_of_numbers(file: &str, table: &str) {
+    let (_, rows) = table.split_once('\n').expect("a head");
+    let numbers_of = |row: &str| -> Vec<f64> {
+        let cells = row.split(',').map(str::parse::<f64>);
+        cells.filter_map(Result::ok).collect()
+    };
+    let rows: Vec<Vec<f64>> = rows.lines().map(numbers_of).collect();
+    let with_numbers = rows.iter().filter(|row| !row.is_empty()).count();
+    assert!(with_numbers >= 2, "{file}: {table}");
+    let is_finite = rows.iter().flatten().all(|number| number.is_finite());
+    assert!(is_finite, "{file}: {table}");
 }
 
 /// The three sources of the error: noise of 64 rays is as large as all of it, and a

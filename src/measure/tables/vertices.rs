@@ -135,9 +135,9 @@ pub(in crate::measure) fn errors_by_contact(found: &Vertices) -> Option<Block> {
     ))
 }
 
-/// The error of one light, unless the truth's noise hides it.
-fn known([error, _]: [f64; 2]) -> Option<f64> {
-    Some(error).filter(|&error| error > 0.0)
+/// An error that is more than the truth's own noise, if that is known.
+fn known([error, _]: [f64; 2], noise: Option<f64>) -> Option<f64> {
+    Some(error).filter(|&error| error > noise.unwrap_or(0.0))
 }
 
 /// The two extremes.
@@ -151,9 +151,10 @@ pub(in crate::measure) fn extremes(found: &Vertices) -> Block {
                 let error = scheme.errors.by_bounces[which][light];
                 let mut cells = vec![name.into()];
                 cells.extend(name_cells(scheme, which));
-                let figures = [error.and_then(known), error.map(|e| e[1])];
+                let noise = noise[which][light].map(|e| e[0]);
+                let figures = [error.and_then(|e| known(e, noise)), error.map(|e| e[1])];
+                let figures = figures.into_iter().chain([noise]);
                 cells.extend(figures.map(|it| Cell::from(it.map(|it| it * 100.0))));
-                cells.push(noise[which][light].map(|e| e[0] * 100.0).into());
                 rows.push(Row::plain(cells));
             }
         }
@@ -169,7 +170,7 @@ pub(in crate::measure) fn extremes(found: &Vertices) -> Block {
     table(
         "extreme-lights",
         "Lights beyond what the defaults are for, apart from the means above; an error is empty \
-         where the truth's noise hides it.",
+         where the truth's noise is as large.",
         columns,
         rows,
     )

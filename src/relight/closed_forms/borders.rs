@@ -120,7 +120,7 @@ fn a_border_adds_no_jump_to_those_of_the_light() {
     let [found, inside] = jumps(&room, &irradiance);
     let [of_light, inside_light] = jumps(&room, &truth);
     assert!(found.len() > 100, "{} edges cross borders", found.len());
-    // Found 1.8: with less, the other test's form has to hold here too.
+    // Where the light jumps by less, the other test's form has to hold here too.
     let largest_of_light = largest(of_light.iter().copied());
     let premise = largest_of_light / percentile_99(&inside_light);
     at_least("largest jump of the light at a border", premise, JUMP);

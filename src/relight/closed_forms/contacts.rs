@@ -165,8 +165,8 @@ fn shortest_edge(room: &Baked) -> f64 {
 
 #[test]
 fn a_wall_ten_times_finer_changes_nothing() {
-    // As many functions as the coarse mesh can bear: with the default of 32 for
-    // 1,000 vertices its 12 are 11 % off, which is no fault of fineness.
+    // As many functions as the coarse mesh can bear: by a share of its few vertices it
+    // has so few that it is off itself, which is no fault of fineness.
     let baked = |mut room: Scene| {
         room.bake.functions = Some(FUNCTIONS);
         room.bake.coefficients = Some(COEFFICIENTS);

@@ -15,13 +15,14 @@ use crate::scene::sample_scenes::{cube_room, hollow_sphere, point_light, room_wi
 /// summed over 1 / (1 - rho) = 100 bounces.
 const FURNACE: f64 = 1e-3;
 /// One emitting face: sampling noise of one row and its compression; the
-/// sources of error of any bounce, on a step of brightness along an edge.
+/// sources of error of any bounce, on a step of brightness along an edge. 1.5 % is
+/// measured (root mean square, opposite).
 pub(super) const ONE_FACE: f64 = 0.03;
 /// All that one face sends arrives: the bias that compression leaves in a sum
-/// over a room.
-const CAUGHT: f64 = 5e-3;
+/// over a room; 5e-4 is measured.
+const CAUGHT: f64 = 2e-3;
 /// The hollow sphere and the cube: noise and compression after averaging over
-/// bounces.
+/// bounces. 0.6 % is measured in the sphere, 0.3 % in the cube.
 pub(super) const ENCLOSED_LIGHT: f64 = 0.02;
 
 /// 10 m, 17 vertices along an edge, with the diagonals' midpoints.

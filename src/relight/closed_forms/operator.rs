@@ -23,8 +23,9 @@ const LINEAR_LIMIT: f64 = 5e-4;
 /// Largest eigenvalue: the 200 bounces of albedo 0.99 end with 1 + 1e-4 at
 /// 14 % of the light and would at 1.01 grow without limit.
 const EIGENVALUE: f64 = 1.0 + 1e-4;
-/// Energy of a reciprocal T would be kept exactly. The mean over lights is.
-const ENERGY_MEAN: f64 = 0.02;
+/// Energy of a reciprocal T would be kept exactly. In the mean over lights 0.04 and
+/// 0.09 % are measured, in the open and in the closed room.
+const ENERGY_MEAN: f64 = 3e-3;
 /// The worst of the lights, a spike on a few vertices that a basis does not keep
 /// whole: 0.4 % is measured in both rooms. Bases that were cut to 32 functions for
 /// 1,000 vertices left 10 %.

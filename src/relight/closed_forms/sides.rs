@@ -187,8 +187,8 @@ fn nothing_is_lit_inside_a_box_on_the_floor() {
         let room = Baked::new(&room_with_box(-1.0, sides));
         let direct = room.direct(&lights);
         let indirect = room.indirect(&lights, 0.7, Bounces::Count(4));
-        // A vertex at the contact shares its area with the outside; what lies
-        // farther than one edge inside does not.
+        // Cracks of what a contact was cut by may let a ray in; farther than one edge
+        // inside none gets.
         let is_inside =
             |p: DVec3| p.x.abs() < 0.5 - EDGE && p.z.abs() < 0.5 - EDGE && p.y < -0.25 - EDGE;
         let inside: Vec<usize> = (0..room.vertex_count())
@@ -268,8 +268,8 @@ fn components_agree_that_the_dark_is_dark() {
 }
 
 /// Most difference between a room and its twin with all faces turned over:
-/// sampling noise of their sums.
-const TWIN_DIFFERENCE: f64 = 0.01;
+/// sampling noise of their sums. 0.12 % is measured.
+const TWIN_DIFFERENCE: f64 = 4e-3;
 
 /// A box room that is open below, its fronts inward or outward.
 fn open_room(facing: Facing) -> Scene {
