@@ -1,13 +1,14 @@
-//! From sampled transfer to compressed rows: near field split off, projected
-//! on the basis, truncated by |c| sigma, quantised, constant response kept.
+//! From sampled transfer to sparse rows, as what a group sees of the sky is stored:
+//! near field split off, projected on a basis, truncated by |c| sigma, quantised,
+//! constant response kept. Other rows take some of these steps.
 
 use super::basis::Basis;
 use super::rows::{FINE_BAND, GroupRows};
 use super::transfer::{GROUP, GroupTransfer};
 use crate::maths::order::Order;
 
-/// Share of a row's budget that goes to the near field: an eighth to a fifth
-/// is best, a half is worse than none (decision 4 of the design).
+/// Share of a row's budget that goes to single cells of the sky: an eighth to a fifth
+/// was best for sparse rows of the transfer, and a half worse than none.
 const NEAR_SHARE: f64 = 0.2;
 /// Scaling the basis part beyond these factors means that constants are
 /// missing; they are kept first.

@@ -3,8 +3,8 @@
 //! Cotangent weights (clamped to 0.02..20) with areas as masses were tried: error of
 //! one bounce in per cent, combinatorial and cotangent, both fitted by what bounces:
 //! cornell 1.40 and 1.38, window 3.46 and 3.21, sheet 1.85 and 1.96, statues 3.02 and
-//! 2.89, a bunny in a room 2.33 and 2.40. Two per cent in the mean are not worth a
-//! second matrix and solver.
+//! 2.89, a bunny in a room 2.33 and 2.40; 95th percentile, in the mean, 5.96 and 5.59 of
+//! one bounce, 4.05 and 4.46 of four. That is not worth a second matrix and solver.
 
 use super::graph::VertexGraph;
 use super::partition::Partition;

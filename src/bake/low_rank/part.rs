@@ -32,11 +32,12 @@ const FORGOTTEN: f64 = 1e-7;
 const ENTRY_OVER_NOISE: f64 = 2.0;
 /// What the sample of noise counts, as an amplitude: at 3,072 rays it
 /// has some four times the energy of the noise (`smooth`). Error of one bounce in per
-/// cent and bytes a vertex at 1, 0.71 and 0.5, under tuning lights: cornell 1.40, 1.32,
-/// 1.39 and 116, 122, 116; window 3.46, 2.98, 2.73 and 139, 157, 177; sheet 1.85, 1.74,
-/// 1.74 and 108, 117, 116; means of five scenes at equal bytes 2.41, 2.30, 2.39. (At
-/// 2,048 rays, where the sample has too little energy, cornell is 1.69 and 1.79 at 1
-/// and 0.71, window 3.72 and 3.40; at the default of 6,144 only this value was tried.)
+/// cent and bytes a vertex at 1, 0.71 and 0.5, under tuning lights, by 72 entries:
+/// cornell 1.40, 1.32, 1.39 and 116, 122, 116; window 3.46, 2.98, 2.73 and 139, 157, 177;
+/// sheet 1.85, 1.74, 1.74 and 108, 117, 116. With entries for about equal bytes (125, 126,
+/// 119) means of five scenes are 2.41, 2.30, 2.39. (At 2,048 rays, where the sample has
+/// too little energy, cornell is 1.69 and 1.79 at 1 and 0.71, window 3.72 and 3.40; at
+/// the default of 6,144 only this value was tried.)
 pub(in crate::bake) const NOISE_COUNTS: f32 = 0.71;
 /// Areas are at least this share of the partition's mean: what a needle's tip
 /// receives matters to nobody, but has to be finite.
