@@ -246,6 +246,10 @@ mod tests {
     use super::*;
     use crate::maths::hash::uniform;
 
+    fn power_of_two(exponent: i64) -> f64 {
+        f64::from_bits(((1023 + exponent) as u64) << (f64::MANTISSA_DIGITS - 1))
+    }
+
     /// Symmetric matrix with entries in -1..1.
     fn random_symmetric(size: usize) -> Vec<f64> {
         let entry = |a: usize, b: usize| {
@@ -301,7 +305,7 @@ mod tests {
                     if k == 0 {
                         1.0
                     } else {
-                        steps(k) * 2.0_f64.powi(-27)
+                        steps(k) * power_of_two(-27)
                     }
                 };
                 let row: Vec<f64> = (0..size).map(entry).collect();
@@ -317,7 +321,7 @@ mod tests {
         let matrix = random_symmetric(size);
         let usual = symmetric_eigen(matrix.clone(), size).unwrap();
         for power in [-1000, -500, -40, 40, 500, 1000] {
-            let scale = 2.0_f64.powi(power);
+            let scale = power_of_two(power);
             let scaled = matrix.iter().map(|entry| entry * scale).collect();
             let found = symmetric_eigen(scaled, size).unwrap();
             let values: Vec<f64> = usual.values.iter().map(|value| value * scale).collect();
