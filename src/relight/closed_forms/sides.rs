@@ -187,8 +187,7 @@ fn nothing_is_lit_inside_a_box_on_the_floor() {
         let room = Baked::new(&room_with_box(-1.0, sides));
         let direct = room.direct(&lights);
         let indirect = room.indirect(&lights, 0.7, Bounces::Count(4));
-        // Cracks of what a contact was cut by may let a ray in; farther than one edge
-        // inside none gets.
+        // Of what is within one edge of the contact nothing is asked here.
         let is_inside =
             |p: DVec3| p.x.abs() < 0.5 - EDGE && p.z.abs() < 0.5 - EDGE && p.y < -0.25 - EDGE;
         let inside: Vec<usize> = (0..room.vertex_count())
