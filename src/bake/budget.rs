@@ -4,7 +4,7 @@
 //! lights of a seed of their own. What is mostly to blame grows: functions where
 //! the basis cannot follow the light, coefficients where more is left out than noise,
 //! otherwise rays, and coefficients with them, since more components stand out of less
-//! noise. A start that is well below what is asked gives rays back, and then
+//! noise. A start that is good enough gives rays back, and then
 //! coefficients. Keys that the user has set stay as they are.
 
 use super::audit::{ErrorParts, audit_at, in_threes};
@@ -12,7 +12,7 @@ use super::basis::Basis;
 use super::low_rank::{Task, pilot_rows};
 use super::operator::receiver_groups;
 use super::places::Places;
-use super::receivers::{Receivers, Truth};
+use super::receivers::{RAYS_OF_SCENE, Receivers, Truth};
 use super::test_lights::TestLights;
 use super::{BakeError, BakeSettings, Importance, RunSettings, Scheme, spectral_basis};
 use crate::surface::Surface;
@@ -21,23 +21,22 @@ use crate::surface::Surface;
 /// then states shares neither.
 pub(super) const SEED: u32 = 0xb0d_6e7;
 pub(super) const TRUE_SEEDS: [u32; 2] = [0xb0d_6e8, 0xb0d_6e9];
-/// Partitions of a trial; receivers of each that are looked at, in groups.
+/// What progress calls it.
+const STAGE: &str = "error budget";
+/// Partitions of a trial, groups of eight receivers that are looked at in all of them,
+/// and rays of each half of the truth there.
 const PILOT_PARTS: usize = 16;
-const GROUPS: usize = 64;
-/// Rays of each half of the truth, and of what the lights' strength is found by.
+const GROUPS: usize = 256;
 const TRUE_RAYS: u32 = 4096;
-const STRENGTH_RAYS: u32 = 1024;
 /// Trials with more at most; giving back ends at the bounds below.
 const MOST_TRIALS: usize = 10;
-/// Trials that grow end at this share of what is asked: asked for 2 %, `window` states
-/// 1.49 where its last trial said 1.65, the statues 1.52 for 1.64. (Whoever changes what
-/// a search finds raises `SEARCH_VERSION` of `key`.)
-const AIM: f64 = 0.85;
-/// A start, and what is given back from it, needs this one: `cornell` states 1.70 % for
-/// a trial's 1.36, `sheet` 1.31 for 1.22, a bunny in a room 1.57 for 1.28. By 0.85 that
-/// bunny gave back too much and stated 2.18 for at most 1.70; by 0.6 the first two
-/// would give back no coefficients (115 and 119 bytes a vertex instead of 87 and 91).
-const AIM_BACK: f64 = 0.7;
+/// A trial is good at this share of what is asked. At nine settings of five scenes bakes
+/// stated 0.87 to 1.15 times what their trials said, each under 64 lights. (By a fourth of
+/// the groups 0.9 to 1.3 times, and 0.85 gave back too much of a bunny in a room, 2.18 %
+/// for 2; by 0.6 `cornell` and `sheet` would give back no coefficients. Whoever changes
+/// what a search finds raises `SEARCH_VERSION` of `key`, and who chooses this by what
+/// bakes state takes other `LIGHT_SEEDS` of `audit`.)
+const AIM: f64 = 0.8;
 /// Bounds of what is chosen.
 const RAYS: std::ops::RangeInclusive<u32> = 128..=16_384;
 const COEFFICIENTS: std::ops::RangeInclusive<u32> = 16..=256;
@@ -72,10 +71,10 @@ fn search(
         // No light says anything.
         return Ok(chosen);
     }
-    if found.total.mean <= error * AIM_BACK {
+    if found.total.mean <= error * AIM {
         for fewer in [fewer_rays, fewer_coefficients] {
             while let Some(next) = fewer(&chosen) {
-                if trial(&next)?.total.mean > error * AIM_BACK {
+                if trial(&next)?.total.mean > error * AIM {
                     break;
                 }
                 chosen = next;
@@ -166,7 +165,6 @@ impl<'a> Trial<'a> {
     ) -> Result<Self, BakeError> {
         let basis = spectral_basis(places, &settings, run)?;
         let importance = Importance::of(places, run, &basis)?;
-        let lights = TestLights::of(places, &basis, SEED);
         let count = basis.part_count();
         let mut is_pilot = vec![false; count];
         // By vertices: a shred of a few is a partition too.
@@ -186,16 +184,16 @@ impl<'a> Trial<'a> {
             .into_iter()
             .filter(of_pilots)
             .collect();
-        let everywhere = Receivers::spread(surface, &basis, GROUPS);
-        let truth_at = |receivers: &Receivers, rays| {
-            let fields = &lights.brightness;
-            let job = (surface, &basis, run.level);
-            Truth::sample(job, receivers, (TRUE_SEEDS, rays), fields)
-        };
-        let strength = truth_at(&everywhere, STRENGTH_RAYS);
-        let receivers =
-            Receivers::among(surface, &basis, &groups, GROUPS).relative_to(&everywhere, &strength);
-        let truth = truth_at(&receivers, TRUE_RAYS);
+        let receivers = Receivers::among(surface, &basis, &groups, GROUPS);
+        let scene = Receivers::of_scene(surface, &basis);
+        let of_scene = scene.rays_of_truth(RAYS_OF_SCENE);
+        let steps = receivers.rays_of_truth(TRUE_RAYS) + of_scene;
+        run.progress.stage(STAGE, steps);
+        let lights = TestLights::of(places, &basis, SEED);
+        let fields = &lights.brightness;
+        let job = (surface, &basis, run);
+        let receivers = receivers.relative_to_scene(job, &scene, TRUE_SEEDS, fields)?;
+        let truth = Truth::sample(job, &receivers, (TRUE_SEEDS, TRUE_RAYS), fields)?;
         Ok(Self {
             surface,
             places,
@@ -218,7 +216,6 @@ impl<'a> Trial<'a> {
         }
         self.settings = *settings;
         let (surface, basis) = (self.surface, &self.basis);
-        self.run.progress.stage("error budget", 1);
         let (settings, run) = (&self.settings, self.run);
         let task = Task {
             surface,
@@ -230,13 +227,14 @@ impl<'a> Trial<'a> {
         let operator = pilot_rows(task, &self.is_pilot)?;
         let stored =
             |fields: &_| in_threes(fields, |values| operator.apply(run.level, basis, values));
-        let job = (surface, basis, settings, run);
-        Ok(audit_at(
-            job,
+        let steps = self.receivers.receiver_count() as u64 * u64::from(settings.rays);
+        run.progress.stage(STAGE, steps);
+        audit_at(
+            (surface, basis, settings, run),
             (&self.receivers, &self.truth),
             &self.lights,
             (stored, |first_slot| operator.near_of(first_slot)),
-        ))
+        )
     }
 }
 
@@ -298,22 +296,22 @@ mod tests {
         let bake = model(0.4);
         let chosen = search(all_free(), ERROR, 10_000, |next| Ok(bake(next))).unwrap();
         let of = |settings: &BakeSettings| bake(settings).total.mean / ERROR;
-        assert!(of(&chosen) <= 0.7, "{}", of(&chosen));
+        assert!(of(&chosen) <= 0.8, "{}", of(&chosen));
         let start = all_free();
         assert!(chosen.rays < start.rays && chosen.coefficients < start.coefficients);
         for fewer in [fewer_rays, fewer_coefficients] {
             let next = fewer(&chosen).expect("no bound is met");
-            assert!(of(&next) > 0.7, "{}", of(&next));
+            assert!(of(&next) > 0.8, "{}", of(&next));
         }
     }
 
     #[test]
     fn a_start_that_is_not_good_enough_to_be_sure_grows() {
-        for scale in [0.71, 0.84, 1.0, 1.5] {
+        for scale in [0.81, 0.9, 1.0, 1.5] {
             let bake = model(scale);
             let chosen = search(all_free(), ERROR, 10_000, |next| Ok(bake(next))).unwrap();
             let (found, start) = (bake(&chosen).total.mean, bake(&all_free()).total.mean);
-            assert!(found <= 0.85 * ERROR && found < start, "{scale}: {found}");
+            assert!(found <= 0.8 * ERROR && found < start, "{scale}: {found}");
         }
     }
 

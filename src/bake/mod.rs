@@ -37,6 +37,8 @@ mod partition;
 mod pilot;
 mod places;
 mod prior;
+#[cfg(test)]
+mod progress_tests;
 mod projection;
 mod receivers;
 #[cfg(test)]
@@ -62,7 +64,6 @@ use glam::Vec3;
 use rayon::prelude::*;
 use thiserror::Error;
 
-use audit::{AuditSize, audit};
 use basis::BasisError;
 use budget::settings_for_error;
 use excitation::Excitation;
@@ -75,7 +76,6 @@ use places::Places;
 use rows::Rows;
 use sky::Sky;
 pub(crate) use slices::Slices;
-use test_lights::TestLights;
 
 pub use audit::{ErrorParts, LightErrors};
 pub(crate) use basis::Basis;
@@ -100,14 +100,12 @@ use crate::simd::Level;
 use crate::simd::rows::GroupSums;
 use crate::surface::Surface;
 
-/// Seed of the lights that a bake states its error for. The prior lights, the
-/// search for an error and the reports have seeds of their own.
-const STATED_SEED: u32 = 0x57a7_0e5d;
 /// Seeds of all lights that a bake is chosen or measured by.
 #[cfg(test)]
 pub(crate) fn light_seeds() -> Vec<u32> {
     let [choosing, reporting] = prior::SEEDS;
-    vec![STATED_SEED, budget::SEED, choosing, reporting]
+    let others = [budget::SEED, choosing, reporting];
+    [&audit::LIGHT_SEEDS[..], &others].concat()
 }
 
 /// Seeds of the rays of a bake's rows and views, and of truths that it is chosen or
@@ -241,27 +239,8 @@ impl Bake {
         bake.stats.largest_eigenvalue = energy::largest_eigenvalue(&bake, run.level);
         let ratios = energy::energy_ratios(&bake, surface, &places, run.level);
         (bake.stats.energy_mean, bake.stats.energy_worst) = (ratios.mean, ratios.worst);
-        bake.stats.errors = bake.stated_errors(&places, settings, run);
+        bake.stats.errors = audit::stated(&bake, &places, settings, run)?;
         Ok(bake)
-    }
-
-    /// The errors that the bake states of itself.
-    fn stated_errors(
-        &self,
-        places: &Places,
-        settings: &BakeSettings,
-        run: &RunSettings,
-    ) -> ErrorParts {
-        run.progress.stage("error", 1);
-        let lights = TestLights::of(places, &self.basis, STATED_SEED);
-        audit(
-            self,
-            places.surface(),
-            settings,
-            &lights,
-            AuditSize::SHORT,
-            run,
-        )
     }
 
     /// Gives a surface the back sides that the bake was made of.

@@ -75,7 +75,7 @@ pub struct BakeStats {
     /// Error of one bounce of indirect light, under lights that the bake did not
     /// choose by.
     pub errors: ErrorParts,
-    /// How far folded bounces are off from bounces one by one, under the same
+    /// How far folded bounces are off from bounces one by one, under 64 of these
     /// lights, where bounces are folded.
     pub folding: Option<LightErrors>,
 }

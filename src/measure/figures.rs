@@ -19,7 +19,7 @@ pub struct MainFigures {
     pub receivers: Option<usize>,
     /// By scheme.
     pub schemes: Vec<SchemeFigures>,
-    /// What the bake states of itself, by fewer receivers under other lights; one
+    /// What the bake states of itself, by some of the receivers under other lights; one
     /// bounce on white.
     pub stated: Option<LightErrors>,
     /// Noise of the truth at the vertices, mean over lights, one bounce and four.

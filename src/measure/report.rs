@@ -92,7 +92,7 @@ fn facts(measured: &Measured, figures: &MainFigures) -> Vec<Fact> {
             "error, stated",
             percent(stated.mean),
             &format!(
-                "by the bake itself, one bounce, other lights, fewer vertices; 95th percentile {}",
+                "by the bake itself, one bounce, other lights, some of the vertices; 95th percentile {}",
                 percent(stated.p95)
             ),
         ));

@@ -1,6 +1,6 @@
 //! Errors of fields over vertices, and statistics over lights.
 
-use crate::bake::{LIGHTS, LightErrors, VertexFields, relative_error};
+use crate::bake::{LightErrors, VertexFields, relative_error};
 use crate::maths::functions::{exp, ln};
 
 /// Error of each light, relative: root mean square over the area, and of the
@@ -37,14 +37,9 @@ pub(super) fn root_of_difference(a: f64, b: f64) -> f64 {
 
 /// Statistics over the lights that `counts` chooses.
 pub(super) fn over_lights(errors: &ByLight, counts: impl Fn(usize) -> bool) -> LightErrors {
-    assert!(
-        errors.len() <= LIGHTS,
-        "at most as many lights as one test has"
-    );
-    let chosen = std::array::from_fn(|light| {
-        let error = errors.get(light).copied().flatten();
-        error.filter(|_| counts(light))
-    });
+    let chosen: Vec<_> = (0..errors.len())
+        .map(|light| errors[light].filter(|_| counts(light)))
+        .collect();
     LightErrors::of(&chosen)
 }
 

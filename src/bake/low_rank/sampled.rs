@@ -117,7 +117,9 @@ fn of_parts(
         near,
         sky,
     };
-    run.progress.stage("transfer", groups.len() as u64);
+    let is_of_wanted = |group: &&(u32, u32)| is_wanted(basis.row(group.0).0);
+    let steps = groups.iter().filter(is_of_wanted).count();
+    run.progress.stage("transfer", steps as u64);
     let parts: Vec<FoundPart> = (0..basis.part_count() as u32)
         .into_par_iter()
         .map(|part| {

@@ -3,18 +3,19 @@
 use rayon::prelude::*;
 
 use super::{FoldTask, Folded};
+use crate::bake::audit::LIGHT_SEEDS;
 use crate::bake::receivers::relative_error;
 use crate::bake::test_lights::{LIGHTS, TestLights};
-use crate::bake::{BakeError, LightErrors, STATED_SEED};
+use crate::bake::{BakeError, LightErrors};
 use crate::maths::rgb_fields::product;
 
 impl FoldTask<'_> {
-    /// Relative difference under the lights that a bake states its error by, as
+    /// Relative difference under the first of the lights that a bake states its error by, as
     /// seen on the vertices' area in the open, all channels together.
     pub(super) fn errors(&self, folded: &Folded) -> Result<LightErrors, BakeError> {
         let run = self.run;
         run.progress.stage("error of folding", LIGHTS as u64);
-        let lights = TestLights::of(self.places, self.basis, STATED_SEED);
+        let lights = TestLights::of(self.places, self.basis, LIGHT_SEEDS[0]);
         let vertices = &self.places.surface().vertices;
         let slots = self.basis.vertex_of_slot().iter();
         let areas: Vec<f64> = slots
@@ -41,7 +42,6 @@ impl FoldTask<'_> {
             .into_par_iter()
             .map(error_of)
             .collect::<Result<_, _>>()?;
-        let errors: &[_; LIGHTS] = errors.as_slice().try_into().expect("an error a light");
-        Ok(LightErrors::of(errors))
+        Ok(LightErrors::of(&errors))
     }
 }
