@@ -82,9 +82,17 @@ fn all_stages() -> Vec<Stage> {
     let (stages, error) = listened_to(None);
     assert!(error.is_none(), "{error:?}");
     let names: Vec<&str> = stages.iter().map(|stage| stage.name).collect();
-    let [budget, transfer] = ["error budget", "transfer"];
-    let all = ["spectral basis", "prior lights", budget, transfer, budget];
-    let all = [&SHORT[..1], &all, &[transfer], &SHORT[1..], &["error"]].concat();
+    let basis = ["spectral basis", "prior lights"];
+    let trial = ["error budget", "transfer", "error budget"];
+    let [first, second] = SHORT;
+    let all = [
+        &[first],
+        &basis[..],
+        &trial,
+        &basis,
+        &["transfer", second, "error"],
+    ]
+    .concat();
     assert_eq!(names, all);
     stages
 }
