@@ -14,8 +14,8 @@ use rayon::prelude::*;
 use super::compress::split_senders;
 use super::operator::vertices_of;
 use super::places::Places;
-use super::receivers::{GROUPS_OF_SCENE, RAYS_OF_SCENE, Receivers, Truth};
-use super::test_lights::{Fields, LIGHTS, TestLights};
+use super::receivers::{Receivers, Truth, rays_of_truth};
+use super::test_lights::{self, Fields, LIGHTS, TestLights};
 use super::transfer::{self, GROUP, GroupTransfer, Sampling, sample_group};
 use super::{Bake, BakeError, BakeSettings, RunSettings};
 use crate::bake::basis::Basis;
@@ -40,15 +40,11 @@ pub(super) const LIGHT_SEEDS: [u32; 3] = [0x57a7_0011, 0x57a7_0012, 0x57a7_0013]
 const GROUPS: usize = 512;
 const TRUE_RAYS: u32 = 2048;
 
-/// Rows that are sampled again for a bake's figure where there are so many groups, and
-/// all rays of its truth: for a forecast.
-pub(super) fn size_of_audit(groups: usize) -> (usize, u64) {
-    let sets = LIGHT_SEEDS.len();
-    let receivers = GROUP * groups.min(GROUPS);
-    let of_scene = GROUP * groups.min(GROUPS_OF_SCENE);
-    let rays = |receivers: usize, rays: u32| 2 * u64::from(rays) * receivers as u64;
-    let of_set = rays(receivers, TRUE_RAYS) + rays(of_scene, RAYS_OF_SCENE);
-    (receivers, sets as u64 * of_set)
+/// Rows that are sampled again for a bake's figure where there are so many vertices, and
+/// all rays of its truth, at most: for a forecast.
+pub(super) fn size_of_audit(vertices: usize) -> (usize, u64) {
+    let receivers = vertices.min(GROUP * GROUPS);
+    (receivers, rays_of_truth(vertices, receivers, TRUE_RAYS))
 }
 
 /// Relative errors of indirect light over the test lights: root mean square
@@ -221,32 +217,28 @@ pub(super) fn stated(
     run: &RunSettings,
 ) -> Result<ErrorParts, BakeError> {
     let (surface, basis) = (places.surface(), bake.basis());
-    let scene = Receivers::of_scene(surface, basis);
     let receivers = Receivers::spread(surface, basis, GROUPS);
-    let of_set = receivers.rays_of_truth(TRUE_RAYS) + scene.rays_of_truth(RAYS_OF_SCENE);
-    let of_rows = receivers.receiver_count() as u64 * u64::from(settings.rays);
     run.progress
-        .stage("error", LIGHT_SEEDS.len() as u64 * of_set + of_rows);
+        .stage(test_lights::STAGE, (LIGHT_SEEDS.len() * LIGHTS) as u64);
+    let sets = TestLights::of_sets(places, basis, LIGHT_SEEDS, run)?;
+    let of_rows = receivers.count() as u64 * u64::from(settings.rays);
+    let of_truth = rays_of_truth(surface.vertices.len(), receivers.count(), TRUE_RAYS);
+    run.progress.stage("error", of_rows + of_truth);
+    let job = (surface, basis, run);
+    let fields = sets.each_ref().map(|lights| &lights.brightness);
+    let truths = Truth::of_sets(job, &receivers, (TRUE_SEEDS, TRUE_RAYS), fields)?;
     let stored = |fields: &Fields| stored_bounce(bake, run.level, fields);
+    let errors = truths.iter().zip(fields).flat_map(|(truth, fields)| {
+        let found = receivers.pick(&stored(fields));
+        truth.errors(&receivers, &found)
+    });
+    let total = LightErrors::of(&errors.collect::<Vec<_>>());
     let near_of = |first_slot| bake.operator().near_of(first_slot);
-    let (mut totals, mut parts) = (Vec::new(), ErrorParts::default());
-    for seed in LIGHT_SEEDS {
-        let lights = TestLights::of(places, basis, seed);
-        let fields = &lights.brightness;
-        let job = (surface, basis, run);
-        let receivers = Receivers::spread(surface, basis, GROUPS);
-        let receivers = receivers.relative_to_scene(job, &scene, TRUE_SEEDS, fields)?;
-        let truth = Truth::sample(job, &receivers, (TRUE_SEEDS, TRUE_RAYS), fields)?;
-        totals.extend(truth.errors(&receivers, &receivers.pick(&stored(fields))));
-        if seed == LIGHT_SEEDS[0] {
-            let job = (surface, basis, settings, run);
-            parts = audit_at(job, (&receivers, &truth), &lights, (stored, near_of))?;
-        }
-    }
-    Ok(ErrorParts {
-        total: LightErrors::of(&totals),
-        ..parts
-    })
+    let job = (surface, basis, settings, run);
+    let [lights, others @ ..] = sets;
+    drop(others);
+    let parts = audit_at(job, (&receivers, &truths[0]), &lights, (stored, near_of))?;
+    Ok(ErrorParts { total, ..parts })
 }
 
 /// Audits an operator, given as what it makes of fields and as the senders of the
@@ -286,7 +278,8 @@ pub(super) fn audit_at(
     let (whole, on_basis): (Vec<_>, Vec<_>) = sampled.into_iter().map(|[a, b]| (a, b)).unzip();
     let (whole, on_basis) = (whole.concat(), on_basis.concat());
     let stored = receivers.pick(&stored(fields));
-    let between = |right: &Fields, other: &Fields| LightErrors::of(&receivers.errors(right, other));
+    let between =
+        |right: &Fields, other: &Fields| LightErrors::of(&truth.between(receivers, right, other));
     let against_truth = |estimate: &Fields| LightErrors::of(&truth.errors(receivers, estimate));
     Ok(ErrorParts {
         total: against_truth(&stored),

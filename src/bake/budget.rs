@@ -12,8 +12,8 @@ use super::basis::Basis;
 use super::low_rank::{Task, pilot_rows};
 use super::operator::receiver_groups;
 use super::places::Places;
-use super::receivers::{RAYS_OF_SCENE, Receivers, Truth};
-use super::test_lights::TestLights;
+use super::receivers::{Receivers, Truth, rays_of_truth};
+use super::test_lights::{self, LIGHTS, TestLights};
 use super::{BakeError, BakeSettings, Importance, RunSettings, Scheme, spectral_basis};
 use crate::surface::Surface;
 
@@ -185,15 +185,12 @@ impl<'a> Trial<'a> {
             .filter(of_pilots)
             .collect();
         let receivers = Receivers::among(surface, &basis, &groups, GROUPS);
-        let scene = Receivers::of_scene(surface, &basis);
-        let of_scene = scene.rays_of_truth(RAYS_OF_SCENE);
-        let steps = receivers.rays_of_truth(TRUE_RAYS) + of_scene;
+        run.progress.stage(test_lights::STAGE, LIGHTS as u64);
+        let lights = TestLights::of(places, &basis, SEED, run)?;
+        let steps = rays_of_truth(surface.vertices.len(), receivers.count(), TRUE_RAYS);
         run.progress.stage(STAGE, steps);
-        let lights = TestLights::of(places, &basis, SEED);
-        let fields = &lights.brightness;
-        let job = (surface, &basis, run);
-        let receivers = receivers.relative_to_scene(job, &scene, TRUE_SEEDS, fields)?;
-        let truth = Truth::sample(job, &receivers, (TRUE_SEEDS, TRUE_RAYS), fields)?;
+        let (job, fields) = ((surface, &basis, run), [&lights.brightness]);
+        let [truth] = Truth::of_sets(job, &receivers, (TRUE_SEEDS, TRUE_RAYS), fields)?;
         Ok(Self {
             surface,
             places,
@@ -227,7 +224,7 @@ impl<'a> Trial<'a> {
         let operator = pilot_rows(task, &self.is_pilot)?;
         let stored =
             |fields: &_| in_threes(fields, |values| operator.apply(run.level, basis, values));
-        let steps = self.receivers.receiver_count() as u64 * u64::from(settings.rays);
+        let steps = self.receivers.count() as u64 * u64::from(settings.rays);
         run.progress.stage(STAGE, steps);
         audit_at(
             (surface, basis, settings, run),

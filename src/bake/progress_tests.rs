@@ -83,14 +83,14 @@ fn all_stages() -> Vec<Stage> {
     assert!(error.is_none(), "{error:?}");
     let names: Vec<&str> = stages.iter().map(|stage| stage.name).collect();
     let basis = ["spectral basis", "prior lights"];
-    let trial = ["error budget", "transfer", "error budget"];
+    let trial = ["test lights", "error budget", "transfer", "error budget"];
     let [first, second] = SHORT;
     let all = [
         &[first],
         &basis[..],
         &trial,
         &basis,
-        &["transfer", second, "error"],
+        &["transfer", second, "test lights", "error"],
     ]
     .concat();
     assert_eq!(names, all);

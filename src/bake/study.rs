@@ -10,7 +10,7 @@ use super::budget::settings_for_error;
 use super::excitation::Excitation;
 use super::operator::{receiver_groups, vertices_of};
 use super::places::Places;
-use super::test_lights::{Fields, LIGHTS, TestKind, TestLights};
+use super::test_lights::{self, Fields, LIGHTS, TestKind, TestLights};
 use super::transfer::{self, Sampling, sample_group, trace_arrivals, vertex_rays};
 use super::{
     Bake, BakeError, BakeSettings, Importance, Operator, RunSettings, Scheme, low_rank, paper,
@@ -200,12 +200,18 @@ impl<'a> Study<'a> {
     }
 
     /// The test lights of a seed and their direct light at the vertices (RMS 1).
-    pub(crate) fn lights(&self, basis: &Basis, seed: u32) -> (Vec<StudyLight>, VertexFields) {
-        let lights = TestLights::of(&self.places, basis, seed);
+    pub(crate) fn lights(
+        &self,
+        basis: &Basis,
+        seed: u32,
+        run: &RunSettings,
+    ) -> Result<(Vec<StudyLight>, VertexFields), BakeError> {
+        run.progress.stage(test_lights::STAGE, LIGHTS as u64);
+        let lights = TestLights::of(&self.places, basis, seed, run)?;
         let fields = by_vertex(basis, &lights.brightness);
         let study = lights.lights.into_iter();
         let study = study.map(|(kind, placed)| StudyLight { kind, placed });
-        (study.collect(), fields)
+        Ok((study.collect(), fields))
     }
 
     /// Direct light of a lamp 0.02 extents from a corner, and of a patch with a

@@ -14,12 +14,15 @@ use super::basis::Basis;
 use super::footprint::Probes;
 use super::places::Places;
 use super::transfer::vertex_rays;
+use super::{BakeError, RunSettings};
 use crate::maths::hash::uniform;
 use crate::maths::sampling::sphere_direction;
 use crate::scene::PlacedLight;
 use crate::simd::Level;
 use crate::surface::{Surface, direct};
 
+/// What progress calls the making of test lights.
+pub(super) const STAGE: &str = "test lights";
 /// Lights that are tested at once.
 /// (Sets of 32 of two seeds differed by up to a fifth in the mean.)
 pub(crate) const LIGHTS: usize = 64;
@@ -87,33 +90,70 @@ pub(crate) struct TestLights {
 }
 
 impl TestLights {
-    pub(crate) fn of(places: &Places, basis: &Basis, seed: u32) -> Self {
+    /// The lights of a seed; [`LIGHTS`] steps of progress.
+    pub(crate) fn of(
+        places: &Places,
+        basis: &Basis,
+        seed: u32,
+        run: &RunSettings,
+    ) -> Result<Self, BakeError> {
+        let [set] = Self::of_sets(places, basis, [seed], run)?;
+        Ok(set)
+    }
+
+    /// The lights of some seeds, whose skies come by the same rays; [`LIGHTS`] steps of
+    /// progress each.
+    pub(super) fn of_sets<const SETS: usize>(
+        places: &Places,
+        basis: &Basis,
+        seeds: [u32; SETS],
+        run: &RunSettings,
+    ) -> Result<[Self; SETS], BakeError> {
+        let proceed = || match run.progress.cancelled() {
+            true => Err(BakeError::Cancelled),
+            false => Ok(()),
+        };
+        proceed()?;
         let (surface, level) = (places.surface(), places.level());
-        let mut brightness = vec![[0.0; LIGHTS]; basis.slot_count()];
-        let lights = lights(places, seed);
         let shadows = direct::Shadows::of_surface(surface, level);
-        let is_sky = |&number: &usize| lights[number].0 == TestKind::Sky;
-        let skies: Vec<usize> = (0..LIGHTS).filter(is_sky).collect();
-        let of_skies = skies_of(surface, level, seed, &skies);
-        let of_light = |number: usize| -> Option<Vec<f32>> {
-            let light = lights[number].1.as_ref()?;
-            let direct = direct::at_vertices(&shadows, light);
-            Some(direct.iter().map(|e| e.x).collect())
-        };
-        let mut take = |number: usize, values: &[f32]| {
-            if places.indirect_share(values) >= LEAST_INDIRECT {
-                store(basis, values, number, &mut brightness);
-            }
-        };
-        for number in 0..LIGHTS {
-            if let Some(values) = of_light(number) {
-                take(number, &values);
+        let mut sets = seeds.map(|seed| Self {
+            lights: lights(places, seed),
+            brightness: vec![[0.0; LIGHTS]; basis.slot_count()],
+        });
+        let mut skies = Vec::new();
+        for (which, set) in sets.iter_mut().enumerate() {
+            for number in 0..LIGHTS {
+                proceed()?;
+                let (kind, light) = &set.lights[number];
+                if *kind == TestKind::Sky {
+                    skies.push((which, number));
+                    continue;
+                }
+                if let Some(light) = light {
+                    let direct = direct::at_vertices(&shadows, light);
+                    let values: Vec<f32> = direct.iter().map(|e| e.x).collect();
+                    set.take(places, basis, number, &values);
+                }
+                run.progress.advance(1);
             }
         }
-        for (number, values) in skies.into_iter().zip(of_skies) {
-            take(number, &values);
+        proceed()?;
+        let keys = skies
+            .iter()
+            .map(|&(which, number)| [seeds[which], number as u32]);
+        let of_skies = skies_of(surface, level, seeds[0], keys);
+        run.progress.advance(skies.len() as u64);
+        for ((which, number), values) in skies.into_iter().zip(of_skies) {
+            sets[which].take(places, basis, number, &values);
         }
-        Self { lights, brightness }
+        Ok(sets)
+    }
+
+    /// Stores a light's values at the vertices, if it brings indirect light.
+    fn take(&mut self, places: &Places, basis: &Basis, number: usize, values: &[f32]) {
+        if places.indirect_share(values) >= LEAST_INDIRECT {
+            store(basis, values, number, &mut self.brightness);
+        }
     }
 
     /// A lamp 0.02 extents from a corner, and a patch with a hard edge that is
@@ -191,19 +231,22 @@ fn lights(places: &Places, seed: u32) -> Vec<(TestKind, Option<PlacedLight>)> {
     lights
 }
 
-/// Skies that are 1 in every direction and brighter about a random one, by the
-/// same rays.
-fn skies_of(surface: &Surface, level: Level, seed: u32, numbers: &[usize]) -> Vec<Vec<f32>> {
-    if numbers.is_empty() {
+/// Skies that are 1 in every direction and brighter about a random one (by seed and
+/// number), by the same rays of a seed.
+fn skies_of(
+    surface: &Surface,
+    level: Level,
+    seed: u32,
+    skies: impl Iterator<Item = [u32; 2]>,
+) -> Vec<Vec<f32>> {
+    let lobe = |key: [u32; 2]| -> (Vec3, f32) {
+        let u = |dimension| uniform(key[0], key[1], dimension);
+        (sphere_direction([u(8), u(9)]), 4.0 * u(10))
+    };
+    let lobes: Vec<(Vec3, f32)> = skies.map(lobe).collect();
+    if lobes.is_empty() {
         return Vec::new();
     }
-    let lobes: Vec<(Vec3, f32)> = numbers
-        .iter()
-        .map(|&number| {
-            let u = |dimension| uniform(seed, number as u32, dimension);
-            (sphere_direction([u(8), u(9)]), 4.0 * u(10))
-        })
-        .collect();
     let rows: Vec<Vec<f32>> = (0..surface.vertices.len() as u32)
         .into_par_iter()
         .with_min_len(64)

@@ -120,7 +120,7 @@ impl Truth {
         albedo: Vec<f32>,
         run: &RunSettings,
     ) -> Result<Self, BakeError> {
-        let (lights, direct) = study.lights(bake.basis(), LIGHT_SEED);
+        let (lights, direct) = study.lights(bake.basis(), LIGHT_SEED, run)?;
         let direct = direct.beside(&study.extremes(bake.basis(), LIGHT_SEED));
         let many = by_many_points(study, &lights, &direct, run)?;
         let receivers = receivers(bake);

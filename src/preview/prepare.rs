@@ -295,7 +295,12 @@ mod tests {
         stages.dedup();
         assert_eq!(
             stages,
-            ["prior lights", "folding bounces", "error of folding"]
+            [
+                "prior lights",
+                "folding bounces",
+                "test lights",
+                "error of folding"
+            ]
         );
         let (settings, run) = (FrameSettings::of_scene(&scene), RunSettings::silent());
         assert!(!edited.needs_bake(&settings));

@@ -248,7 +248,12 @@ fn a_stored_bake_without_folded_bounces_is_folded_and_stored_with_them() {
     fixed.bake(&told).unwrap();
     assert_eq!(
         *names.0.lock().unwrap(),
-        ["prior lights", "folding bounces", "error of folding"]
+        [
+            "prior lights",
+            "folding bounces",
+            "test lights",
+            "error of folding"
+        ]
     );
     let figures = fixed.figures().bake.unwrap();
     assert!(!figures.cached && figures.folded_bytes > 0);
