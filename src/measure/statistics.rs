@@ -43,6 +43,19 @@ pub(super) fn over_lights(errors: &ByLight, counts: impl Fn(usize) -> bool) -> L
     LightErrors::of(&chosen)
 }
 
+/// Standard error of the mean over the lights that arrive, if they were chosen at random:
+/// test lights are spread evenly, so theirs is less. `None` of fewer than two.
+pub(super) fn standard_error(errors: &ByLight) -> Option<f64> {
+    let found: Vec<f64> = errors.iter().flatten().map(|e| e[0]).collect();
+    let count = found.len() as f64;
+    if found.len() < 2 {
+        return None;
+    }
+    let mean = found.iter().sum::<f64>() / count;
+    let squares: f64 = found.iter().map(|e| (e - mean) * (e - mean)).sum();
+    Some((squares / (count * (count - 1.0))).sqrt())
+}
+
 /// The value of a curve at `x` between its points, straight in logarithms;
 /// `None` outside of them.
 pub(super) fn between(points: &[(f64, f64)], x: f64) -> Option<f64> {
@@ -108,6 +121,20 @@ mod tests {
         );
         let two = over_lights(&errors, |light| light < 2);
         assert_eq!((two.mean, two.worst), (0.5, 1.0));
+    }
+
+    #[test]
+    fn a_mean_of_more_lights_is_surer() {
+        let of = |values: &[f64]| -> ByLight { values.iter().map(|&e| Some([e, 0.0])).collect() };
+        // Variance 2 of two values, over two.
+        let found = standard_error(&of(&[1.0, 3.0])).unwrap();
+        assert!((found - 1.0).abs() < ROUNDING, "{found}");
+        // Variance 4 / 3 of four, over four; a light that does not arrive is no value.
+        let mut four = of(&[1.0, 3.0, 1.0, 3.0]);
+        four.push(None);
+        let found = standard_error(&four).unwrap();
+        assert!((found - (1.0_f64 / 3.0).sqrt()).abs() < ROUNDING, "{found}");
+        assert_eq!(standard_error(&of(&[1.0])), None);
     }
 
     #[test]

@@ -7,7 +7,7 @@
 //! dense matrix is used row by row and never stored.
 
 use super::contacts;
-use super::statistics::{ByLight, errors, over_lights, without_noise};
+use super::statistics::{ByLight, errors, over_lights, standard_error, without_noise};
 use super::sweeps::Uncut;
 use crate::bake::{
     Bake, BakeError, BakeSettings, LIGHTS, LightErrors, RunSettings, Study, StudyLight,
@@ -85,6 +85,11 @@ impl SchemeErrors {
     /// Over the test lights.
     pub(super) fn all(&self, which: usize) -> LightErrors {
         over_lights(&test_lights(&self.by_bounces[which]), |_| true)
+    }
+
+    /// Of the mean over the test lights.
+    pub(super) fn standard_error(&self, which: usize) -> Option<f64> {
+        standard_error(&test_lights(&self.by_bounces[which]))
     }
 }
 

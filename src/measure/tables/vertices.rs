@@ -45,6 +45,8 @@ pub(in crate::measure) fn vertex_errors(found: &Vertices) -> Block {
         for which in 0..2 {
             let mut cells = name_cells(scheme, which);
             cells.extend(light_cells(scheme.errors.all(which)));
+            let of_mean = scheme.errors.standard_error(which);
+            cells.push(Cell::from(of_mean.map(|it| it * 100.0)));
             cells.push(in_percent(noise[which].mean));
             cells.push(Cell::Number(scheme.point.bytes_per_vertex));
             rows.push(Row::plain(cells));
@@ -52,6 +54,7 @@ pub(in crate::measure) fn vertex_errors(found: &Vertices) -> Block {
     }
     let mut columns = vec![Column::text("scheme"), Column::text("bounces")];
     columns.extend(light_columns());
+    columns.push(percent("standard error of the mean", 2));
     columns.push(percent("noise of the truth", 2));
     columns.push(Column::number("operator", "B/vertex", 0));
     table(
