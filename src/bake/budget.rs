@@ -13,7 +13,7 @@ use super::low_rank::{Task, pilot_rows};
 use super::operator::receiver_groups;
 use super::places::Places;
 use super::receivers::{Receivers, Truth, rays_of_truth};
-use super::test_lights::{self, LIGHTS, TestLights};
+use super::test_lights::TestLights;
 use super::{BakeError, BakeSettings, Importance, RunSettings, Scheme, spectral_basis};
 use crate::surface::Surface;
 
@@ -185,7 +185,6 @@ impl<'a> Trial<'a> {
             .filter(of_pilots)
             .collect();
         let receivers = Receivers::among(surface, &basis, &groups, GROUPS);
-        run.progress.stage(test_lights::STAGE, LIGHTS as u64);
         let lights = TestLights::of(places, &basis, SEED, run)?;
         let steps = rays_of_truth(surface.vertices.len(), receivers.count(), TRUE_RAYS);
         run.progress.stage(STAGE, steps);

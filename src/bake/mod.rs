@@ -473,9 +473,7 @@ fn bake(
     let backs = surface.visible_backs(run.level);
     surface.add_backs(&backs);
     let open_points = surface.open_points(run.level);
-    if run.progress.cancelled() {
-        return Err(BakeError::Cancelled);
-    }
+    run.proceed()?;
     surface.vertices.set_open_points(open_points.clone());
     Bake::compute(surface, backs, open_points, settings, run)
 }

@@ -58,7 +58,8 @@ impl Progress for Listener {
 /// The stages of a bake with a search for an error, which has one trial, and why it
 /// ended early.
 fn listened_to(stop: Option<Stop>) -> (Vec<Stage>, Option<BakeError>) {
-    let mut scene = room_with_blocks(true, 0.4, 16);
+    // Open, so that there are skies.
+    let mut scene = room_with_blocks(false, 0.4, 16);
     scene.bake.error = Some(0.5);
     (scene.bake.functions, scene.bake.coefficients) = (Some(64), Some(32));
     let settings = BakeSettings::of_scheme(Scheme::Relume, &scene.bake);

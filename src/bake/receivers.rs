@@ -252,9 +252,7 @@ fn sampled<const SETS: usize>(
     let slots: Vec<usize> = receivers.slots().collect();
     let half = |seed| -> Result<Vec<[[f32; LIGHTS]; SETS]>, BakeError> {
         let row_of = |&slot: &usize| {
-            if run.progress.cancelled() {
-                return Err(BakeError::Cancelled);
-            }
+            run.proceed()?;
             let key = [seed, slot as u32];
             let row = true_row((surface, basis, run.level), key, rays, sets);
             run.progress.advance(u64::from(rays));

@@ -1,5 +1,6 @@
 //! How a job is run: settings that must not change a bit of its result.
 
+use super::BakeError;
 use crate::simd::Level;
 
 /// Hears of a job's progress and may stop it.
@@ -32,6 +33,16 @@ pub struct RunSettings<'a> {
     pub level: Level,
     /// Who watches.
     pub progress: &'a dyn Progress,
+}
+
+impl RunSettings<'_> {
+    /// Goes on, unless somebody stops the job.
+    pub(super) fn proceed(&self) -> Result<(), BakeError> {
+        match self.progress.cancelled() {
+            true => Err(BakeError::Cancelled),
+            false => Ok(()),
+        }
+    }
 }
 
 impl RunSettings<'static> {

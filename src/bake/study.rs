@@ -10,7 +10,7 @@ use super::budget::settings_for_error;
 use super::excitation::Excitation;
 use super::operator::{receiver_groups, vertices_of};
 use super::places::Places;
-use super::test_lights::{self, Fields, LIGHTS, TestKind, TestLights};
+use super::test_lights::{Fields, LIGHTS, TestKind, TestLights};
 use super::transfer::{self, Sampling, sample_group, trace_arrivals, vertex_rays};
 use super::{
     Bake, BakeError, BakeSettings, Importance, Operator, RunSettings, Scheme, low_rank, paper,
@@ -206,7 +206,6 @@ impl<'a> Study<'a> {
         seed: u32,
         run: &RunSettings,
     ) -> Result<(Vec<StudyLight>, VertexFields), BakeError> {
-        run.progress.stage(test_lights::STAGE, LIGHTS as u64);
         let lights = TestLights::of(&self.places, basis, seed, run)?;
         let fields = by_vertex(basis, &lights.brightness);
         let study = lights.lights.into_iter();

@@ -18,16 +18,13 @@ use super::{BakeError, RunSettings};
 use crate::maths::hash::uniform;
 use crate::maths::sampling::sphere_direction;
 use crate::scene::PlacedLight;
-use crate::simd::Level;
 use crate::surface::{Surface, direct};
 
-/// What progress calls the making of test lights.
-pub(super) const STAGE: &str = "test lights";
 /// Lights that are tested at once.
 /// (Sets of 32 of two seeds differed by up to a fifth in the mean.)
 pub(crate) const LIGHTS: usize = 64;
 /// A value a light, by slot.
-pub(crate) type Fields = Vec<[f32; LIGHTS]>;
+pub(super) type Fields = Vec<[f32; LIGHTS]>;
 
 /// Distance that points and spots keep from surfaces, extents.
 pub(super) const CLEARANCE: f64 = 0.05;
@@ -81,17 +78,17 @@ const OPEN: [(TestKind, usize); 4] = [
 const CLOSED: [(TestKind, usize); 2] = [(TestKind::Point, 44), (TestKind::Spot, 20)];
 
 /// Lights of one seed and their direct light.
-pub(crate) struct TestLights {
+pub(super) struct TestLights {
     /// [`LIGHTS`] of them; a sky has no place, nor has a light that was not found.
-    pub(crate) lights: Vec<(TestKind, Option<PlacedLight>)>,
+    pub(super) lights: Vec<(TestKind, Option<PlacedLight>)>,
     /// Direct irradiance in slots, each light scaled to RMS 1; 0 for a light that
     /// reaches nothing.
-    pub(crate) brightness: Fields,
+    pub(super) brightness: Fields,
 }
 
 impl TestLights {
-    /// The lights of a seed; [`LIGHTS`] steps of progress.
-    pub(crate) fn of(
+    /// The lights of a seed; a stage of progress.
+    pub(super) fn of(
         places: &Places,
         basis: &Basis,
         seed: u32,
@@ -101,29 +98,24 @@ impl TestLights {
         Ok(set)
     }
 
-    /// The lights of some seeds, whose skies come by the same rays; [`LIGHTS`] steps of
-    /// progress each.
+    /// The lights of some seeds, whose skies come by the same rays; a stage of progress.
     pub(super) fn of_sets<const SETS: usize>(
         places: &Places,
         basis: &Basis,
         seeds: [u32; SETS],
         run: &RunSettings,
     ) -> Result<[Self; SETS], BakeError> {
-        let proceed = || match run.progress.cancelled() {
-            true => Err(BakeError::Cancelled),
-            false => Ok(()),
-        };
-        proceed()?;
-        let (surface, level) = (places.surface(), places.level());
-        let shadows = direct::Shadows::of_surface(surface, level);
-        let mut sets = seeds.map(|seed| Self {
-            lights: lights(places, seed),
-            brightness: vec![[0.0; LIGHTS]; basis.slot_count()],
-        });
-        let mut skies = Vec::new();
-        for (which, set) in sets.iter_mut().enumerate() {
+        run.progress.stage("test lights", (SETS * LIGHTS) as u64);
+        let shadows = direct::Shadows::of_surface(places.surface(), places.level());
+        let (mut sets, mut skies) = (Vec::new(), Vec::new());
+        for (which, seed) in seeds.into_iter().enumerate() {
+            run.proceed()?;
+            let mut set = Self {
+                lights: lights(places, seed),
+                brightness: vec![[0.0; LIGHTS]; basis.slot_count()],
+            };
             for number in 0..LIGHTS {
-                proceed()?;
+                run.proceed()?;
                 let (kind, light) = &set.lights[number];
                 if *kind == TestKind::Sky {
                     skies.push((which, number));
@@ -136,17 +128,19 @@ impl TestLights {
                 }
                 run.progress.advance(1);
             }
+            sets.push(set);
         }
-        proceed()?;
-        let keys = skies
+        let keys: Vec<[u32; 2]> = skies
             .iter()
-            .map(|&(which, number)| [seeds[which], number as u32]);
-        let of_skies = skies_of(surface, level, seeds[0], keys);
+            .map(|&(which, number)| [seeds[which], number as u32])
+            .collect();
+        let of_skies = skies_of(places.surface(), run, &keys)?;
         run.progress.advance(skies.len() as u64);
         for ((which, number), values) in skies.into_iter().zip(of_skies) {
             sets[which].take(places, basis, number, &values);
         }
-        Ok(sets)
+        let mut sets = sets.into_iter();
+        Ok(seeds.map(|_| sets.next().expect("one of every seed")))
     }
 
     /// Stores a light's values at the vertices, if it brings indirect light.
@@ -158,7 +152,7 @@ impl TestLights {
 
     /// A lamp 0.02 extents from a corner, and a patch with a hard edge that is
     /// lit alone: numbers 0 and 1; the others are dark.
-    pub(crate) fn extremes(places: &Places, basis: &Basis, seed: u32) -> Self {
+    pub(super) fn extremes(places: &Places, basis: &Basis, seed: u32) -> Self {
         let (surface, level) = (places.surface(), places.level());
         let mut brightness = vec![[0.0; LIGHTS]; basis.slot_count()];
         if places.any() {
@@ -231,41 +225,42 @@ fn lights(places: &Places, seed: u32) -> Vec<(TestKind, Option<PlacedLight>)> {
     lights
 }
 
-/// Skies that are 1 in every direction and brighter about a random one (by seed and
-/// number), by the same rays of a seed.
+/// Skies by seed and number, each 1 in every direction and brighter about a random one: what
+/// the vertices have of them, by the same rays, of the first one's seed.
 fn skies_of(
     surface: &Surface,
-    level: Level,
-    seed: u32,
-    skies: impl Iterator<Item = [u32; 2]>,
-) -> Vec<Vec<f32>> {
-    let lobe = |key: [u32; 2]| -> (Vec3, f32) {
-        let u = |dimension| uniform(key[0], key[1], dimension);
+    run: &RunSettings,
+    skies: &[[u32; 2]],
+) -> Result<Vec<Vec<f32>>, BakeError> {
+    let Some(&[seed, _]) = skies.first() else {
+        return Ok(Vec::new());
+    };
+    let lobe = |&[seed, number]: &[u32; 2]| -> (Vec3, f32) {
+        let u = |dimension| uniform(seed, number, dimension);
         (sphere_direction([u(8), u(9)]), 4.0 * u(10))
     };
-    let lobes: Vec<(Vec3, f32)> = skies.map(lobe).collect();
-    if lobes.is_empty() {
-        return Vec::new();
-    }
+    let lobes: Vec<(Vec3, f32)> = skies.iter().map(lobe).collect();
+    let row_of = |vertex: u32| {
+        run.proceed()?;
+        let mut sums = vec![0.0_f32; lobes.len()];
+        for (_, (direction, hit)) in vertex_rays(surface, run.level, [seed, vertex], SKY_RAYS) {
+            if hit.is_some() {
+                continue;
+            }
+            for (sum, (axis, brighter)) in sums.iter_mut().zip(&lobes) {
+                let cosine = direction.dot(*axis);
+                *sum += 1.0 + brighter * if cosine > 0.0 { cosine } else { 0.0 };
+            }
+        }
+        Ok(sums)
+    };
     let rows: Vec<Vec<f32>> = (0..surface.vertices.len() as u32)
         .into_par_iter()
         .with_min_len(64)
-        .map(|vertex| {
-            let mut sums = vec![0.0_f32; lobes.len()];
-            for (_, (direction, hit)) in vertex_rays(surface, level, [seed, vertex], SKY_RAYS) {
-                if hit.is_some() {
-                    continue;
-                }
-                for (sum, (axis, brighter)) in sums.iter_mut().zip(&lobes) {
-                    let cosine = direction.dot(*axis);
-                    *sum += 1.0 + brighter * if cosine > 0.0 { cosine } else { 0.0 };
-                }
-            }
-            sums
-        })
-        .collect();
+        .map(row_of)
+        .collect::<Result<_, BakeError>>()?;
     let of_sky = |sky: usize| rows.iter().map(|row| row[sky]).collect();
-    (0..lobes.len()).map(of_sky).collect()
+    Ok((0..lobes.len()).map(of_sky).collect())
 }
 
 /// Stores a light's values at the vertices in slots, scaled to RMS 1.
@@ -278,5 +273,47 @@ fn store(basis: &Basis, values: &[f32], light: usize, fields: &mut Fields) {
             let slot = basis.slot_of_vertex()[vertex] as usize;
             fields[slot][light] = (f64::from(value) / rms) as f32;
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bake::{BakeSettings, spectral_basis};
+    use crate::scene::sample_scenes::room_with_blocks;
+    use crate::surface::Detail;
+
+    #[test]
+    fn lights_do_not_depend_on_other_sets_but_for_the_rays_of_skies() {
+        let scene = room_with_blocks(false, 0.4, 16);
+        let mut surface = Surface::fronts(&scene, &Detail::of_keys(&scene.bake));
+        let run = RunSettings::silent();
+        surface.add_backs(&surface.visible_backs(run.level));
+        let places = Places::of(&surface, run.level);
+        let basis = spectral_basis(&places, &BakeSettings::of_keys(&scene.bake), &run).unwrap();
+        let seeds = [5, 6];
+        let together = TestLights::of_sets(&places, &basis, seeds, &run).unwrap();
+        let alone = seeds.map(|seed| TestLights::of(&places, &basis, seed, &run).unwrap());
+        assert!(together[0].brightness == alone[0].brightness, "bit by bit");
+        let (mut lamps, mut skies) = (0, 0);
+        for light in 0..LIGHTS {
+            let of = |set: &TestLights| set.brightness.iter().map(|it| it[light]).collect();
+            let [here, there]: [Vec<f32>; 2] = [&together[1], &alone[1]].map(of);
+            if alone[1].lights[light].0 != TestKind::Sky {
+                assert_eq!(here, there, "{light}");
+                lamps += usize::from(here.iter().any(|&e| e > 0.0));
+                continue;
+            }
+            // By other rays, whose noise is what differs.
+            let off: f32 = here
+                .iter()
+                .zip(&there)
+                .map(|(a, b)| (a - b) * (a - b))
+                .sum();
+            let all: f32 = there.iter().map(|b| b * b).sum();
+            assert!(off < 0.01 * all, "{light}: {off} of {all}");
+            skies += usize::from(all > 0.0);
+        }
+        assert!(lamps > 20 && skies > 4, "{lamps} lamps and {skies} skies");
     }
 }

@@ -207,8 +207,9 @@ fn vertex_section(found: &Vertices, vertex_count: usize) -> Section {
                  space; suns and skies where the scene is open). The error of a light is \
                  sqrt(sum A (E - R)^2 / sum A R^2) of its indirect light alone, the signed error \
                  that of its sum; mean, 95th percentile, worst and signed mean are over the \
-                 lights. The standard error says how sure that mean is: less, since the \
-                 lights are spread evenly over what makes them hard.",
+                 lights. The standard error is that of the mean error, as if the lights \
+                 had been drawn at random; they are spread evenly over what makes them hard, so \
+                 it is less in truth.",
                 found.lights_that_arrive(),
             ),
             format!(

@@ -134,9 +134,7 @@ impl Job<'_> {
             .map_init(
                 || self.scratch(),
                 |scratch, &group| {
-                    if run.progress.cancelled() {
-                        return Err(BakeError::Cancelled);
-                    }
+                    run.proceed()?;
                     let found = self.group(group, scratch);
                     run.progress.advance(1);
                     Ok(found)

@@ -32,9 +32,7 @@ pub(in crate::bake) fn sampled_rows(
     let ask = |vertices: &[u32], rows: &_| near::scores(task.surface, vertices, rows);
     let (sky, scores) = SkyRows::new(task.basis, task.sampling(), &groups, ask);
     let near = NearRule::of_pilots(scores, Budget::of(task.settings.coefficients).near);
-    if task.run.progress.cancelled() {
-        return Err(BakeError::Cancelled);
-    }
+    task.run.proceed()?;
     let found = of_parts(task, (&sky, near), |_| true)?;
     let sky = sky.finish(&found.stats, &found.sky);
     let stats = BakeStats::of(&found.stats, task.settings, found.last_energy as f32);

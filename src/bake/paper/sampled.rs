@@ -37,9 +37,7 @@ pub(in crate::bake) fn sampled_rows(
         sky: &sky,
         groups: &groups,
     };
-    if run.progress.cancelled() {
-        return Err(BakeError::Cancelled);
-    }
+    run.proceed()?;
     run.progress.stage("transfer", groups.len() as u64);
     let found = job.project_all(run)?;
 
@@ -102,9 +100,7 @@ impl Job<'_> {
 
     fn project_all(&self, run: &RunSettings) -> Result<Vec<FoundGroup>, BakeError> {
         let project = |scratch: &mut Scratch, &group: &(u32, u32)| {
-            if run.progress.cancelled() {
-                return Err(BakeError::Cancelled);
-            }
+            run.proceed()?;
             let transfer = self.sample(group, scratch);
             let found = FoundGroup {
                 rows: self.project(&transfer, group.1 as usize, &mut scratch.coefficients),

@@ -114,9 +114,7 @@ impl Task<'_> {
             .par_iter()
             .with_min_len(VERTICES_PER_TASK)
             .map_init(scratch, |(scratch, functions), &slot| {
-                if self.run.progress.cancelled() {
-                    return Err(BakeError::Cancelled);
-                }
+                self.run.proceed()?;
                 let transfer = sample(&sampling, self.basis.vertex_of_slot()[slot], scratch);
                 self.run.progress.advance(1);
                 Ok(self.projected(transfer, functions))

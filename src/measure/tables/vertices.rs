@@ -54,7 +54,7 @@ pub(in crate::measure) fn vertex_errors(found: &Vertices) -> Block {
     }
     let mut columns = vec![Column::text("scheme"), Column::text("bounces")];
     columns.extend(light_columns());
-    columns.push(percent("standard error of the mean", 2));
+    columns.push(percent("standard error of the mean error", 2));
     columns.push(percent("noise of the truth", 2));
     columns.push(Column::number("operator", "B/vertex", 0));
     table(

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use super::{FoldTask, Folded};
 use crate::bake::audit::LIGHT_SEEDS;
 use crate::bake::receivers::relative_error;
-use crate::bake::test_lights::{self, LIGHTS, TestLights};
+use crate::bake::test_lights::{LIGHTS, TestLights};
 use crate::bake::{BakeError, LightErrors};
 use crate::maths::rgb_fields::product;
 
@@ -14,7 +14,6 @@ impl FoldTask<'_> {
     /// seen on the vertices' area in the open, all channels together.
     pub(super) fn errors(&self, folded: &Folded) -> Result<LightErrors, BakeError> {
         let run = self.run;
-        run.progress.stage(test_lights::STAGE, LIGHTS as u64);
         let lights = TestLights::of(self.places, self.basis, LIGHT_SEEDS[0], run)?;
         run.progress.stage("error of folding", LIGHTS as u64);
         let vertices = &self.places.surface().vertices;
@@ -23,9 +22,7 @@ impl FoldTask<'_> {
             .map(|&vertex| f64::from(vertices.open_area(vertex as usize)))
             .collect();
         let error_of = |light: usize| {
-            if run.progress.cancelled() {
-                return Err(BakeError::Cancelled);
-            }
+            run.proceed()?;
             let of_light = lights.brightness.iter().map(|values| [values[light]; 3]);
             let source = product(self.albedo, &of_light.collect::<Vec<_>>());
             let operator = (self.basis, self.operator);

@@ -53,9 +53,7 @@ impl Columns<'_> {
         let solved: Vec<_> = numbers
             .into_par_iter()
             .map(|number| {
-                if self.run.progress.cancelled() {
-                    return Err(BakeError::Cancelled);
-                }
+                self.run.proceed()?;
                 let solved = self.beyond_near(&source(number));
                 self.run.progress.advance(1);
                 Ok(solved)
