@@ -119,10 +119,12 @@ impl BakeStats {
             "the functions of the basis cannot follow the light on vertices this far apart: more \
              bake.functions, or a smaller bake.max_edge (and more bake.vertices where they are the \
              limit) would help"
+                .to_owned()
         } else if self.errors.is_of_coefficients() {
-            "too much of the transfer is left out: more bake.coefficients would help"
+            "too much of the transfer is left out: more bake.coefficients would help".to_owned()
         } else {
-            "the rays are too few: more bake.rays would help"
+            let rays = self.rays;
+            format!("{rays} rays a vertex are too few: more bake.rays would help")
         };
         Some(format!(
             "indirect light is within {} in the mean of test lights, {} were asked for; {cause}",
