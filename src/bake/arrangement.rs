@@ -64,14 +64,13 @@ mod tests {
     use super::*;
     use crate::scene::sample_scenes::room_with_blocks;
     use crate::simd::Level;
-    use crate::surface::{Detail, Surface};
+    use crate::surface::Surface;
 
     #[test]
     fn lights_are_spread_over_how_evenly_they_light() {
         let scene = room_with_blocks(true, 0.4, 64);
-        let mut surface = Surface::fronts(&scene, &Detail::of_keys(&scene.bake));
+        let surface = Surface::both_sides(&scene);
         let level = Level::detect();
-        surface.add_backs(&surface.visible_backs(level));
         let places = Places::of(&surface, level);
         let probes = Probes::of(&places, 1);
         let evenness = |lights: &[PlacedLight]| -> Vec<f64> {

@@ -384,14 +384,12 @@ impl<'a> Places<'a> {
 mod tests {
     use super::*;
     use crate::scene::sample_scenes::room_with_blocks;
-    use crate::surface::Detail;
 
     #[test]
     fn masses_are_what_vertices_hand_on() {
         let scene = room_with_blocks(true, 0.5, 64);
-        let mut surface = Surface::fronts(&scene, &Detail::of_keys(&scene.bake));
+        let surface = Surface::both_sides(&scene);
         let level = Level::detect();
-        surface.add_backs(&surface.visible_backs(level));
         let places = Places::of(&surface, level);
         let masses = places.masses();
         let areas = surface.vertices.areas();

@@ -305,7 +305,6 @@ mod tests {
     use crate::bake::test_lights::TestLights;
     use crate::bake::{BakeSettings, spectral_basis};
     use crate::scene::sample_scenes::room_with_blocks;
-    use crate::surface::Detail;
 
     /// Two receivers of these areas.
     fn receivers(areas: [f64; 2]) -> Receivers {
@@ -350,9 +349,8 @@ mod tests {
     #[test]
     fn sets_of_lights_by_the_same_rays_have_the_truth_of_each() {
         let scene = room_with_blocks(true, 0.4, 16);
-        let mut surface = Surface::fronts(&scene, &Detail::of_keys(&scene.bake));
+        let surface = Surface::both_sides(&scene);
         let run = RunSettings::silent();
-        surface.add_backs(&surface.visible_backs(run.level));
         let places = Places::of(&surface, run.level);
         let basis = spectral_basis(&places, &BakeSettings::of_keys(&scene.bake), &run).unwrap();
         let [one, other] = [1, 2].map(|seed| {

@@ -281,14 +281,12 @@ mod tests {
     use super::*;
     use crate::bake::{BakeSettings, spectral_basis};
     use crate::scene::sample_scenes::room_with_blocks;
-    use crate::surface::Detail;
 
     #[test]
     fn lights_do_not_depend_on_other_sets_but_for_the_rays_of_skies() {
         let scene = room_with_blocks(false, 0.4, 16);
-        let mut surface = Surface::fronts(&scene, &Detail::of_keys(&scene.bake));
+        let surface = Surface::both_sides(&scene);
         let run = RunSettings::silent();
-        surface.add_backs(&surface.visible_backs(run.level));
         let places = Places::of(&surface, run.level);
         let basis = spectral_basis(&places, &BakeSettings::of_keys(&scene.bake), &run).unwrap();
         let seeds = [5, 6];

@@ -346,14 +346,12 @@ fn add_sky(
 mod tests {
     use super::*;
     use crate::scene::sample_scenes::room_with_blocks;
-    use crate::surface::Detail;
 
     #[test]
     fn only_rows_that_see_nothing_stop_early() {
         let scene = room_with_blocks(true, 0.5, 64);
-        let mut surface = Surface::fronts(&scene, &Detail::of_keys(&scene.bake));
+        let surface = Surface::both_sides(&scene);
         let level = Level::detect();
-        surface.add_backs(&surface.visible_backs(level));
         let count = surface.vertices.len();
         let slots: Vec<u32> = (0..count as u32).collect();
         let sampling = Sampling {

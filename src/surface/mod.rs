@@ -106,6 +106,14 @@ impl Surface {
         self.glossy_materials[material as usize]
     }
 
+    /// The surface of a scene's own detail, with its backs.
+    #[cfg(test)]
+    pub(crate) fn both_sides(scene: &Scene) -> Self {
+        let mut surface = Self::fronts(scene, &Detail::of_keys(&scene.bake));
+        surface.add_backs(&surface.visible_backs(Level::detect()));
+        surface
+    }
+
     /// Marks the front vertices whose back can be seen or lit.
     pub(crate) fn visible_backs(&self, level: Level) -> Vec<bool> {
         sides::visible_backs(self, level)

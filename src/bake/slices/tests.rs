@@ -4,16 +4,15 @@ use crate::maths::order::Order;
 use crate::maths::spherical_harmonics::CONSTANT;
 use crate::scene::sample_scenes::room_with_blocks;
 use crate::simd::Level;
-use crate::surface::{Detail, Surface};
+use crate::surface::Surface;
 
 /// The first slice is T times a constant: sums of the same weights, in another
 /// order of additions.
 #[test]
 fn the_first_slice_is_the_transfer() {
     let scene = room_with_blocks(true, 0.5, 256);
-    let mut surface = Surface::fronts(&scene, &Detail::of_keys(&scene.bake));
+    let surface = Surface::both_sides(&scene);
     let level = Level::detect();
-    surface.add_backs(&surface.visible_backs(level));
     let count = surface.vertices.len();
     let slots: Vec<u32> = (0..count as u32).collect();
     let rows = transfer::Sampling {
