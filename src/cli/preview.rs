@@ -1,6 +1,9 @@
 //! `relume preview`: a scene lit by hand, in a terminal or by a script.
 
 use std::path::Path;
+use std::sync::mpsc::channel;
+use std::thread;
+use std::time::Duration;
 
 use relume::preview::{Preparation, PreviewSettings, ScriptReport, run_in_terminal, run_script};
 use serde_json::{Map, Value, json};
@@ -12,6 +15,9 @@ use super::run::{cache_folder, overrides, say, with_run};
 
 /// Exit code after the terminal has gone.
 const HUNG_UP: u8 = 129;
+/// How long a terminal may take to take a line. One that reads nothing, as when its
+/// connection hangs, would hold the program for ever.
+const LONGEST_SAYING: Duration = Duration::from_secs(1);
 
 pub(super) fn execute(arguments: &Preview) -> Result<Report, CliError> {
     let run = &arguments.scene.run;
@@ -40,16 +46,30 @@ fn interactive(settings: &PreviewSettings) -> Result<Report, CliError> {
     let ended = run_in_terminal(settings)?;
     // After a hang-up nobody reads.
     if let Some(path) = ended.rescued.filter(|_| ended.exit_code != HUNG_UP) {
-        let path = path.display();
-        say(&[format!(
-            "changes were not saved; the scene with them is {path}"
-        )]);
+        say_in_time(format!(
+            "changes were not saved; the scene with them is {}",
+            path.display()
+        ));
     }
     Ok(Report {
         json: Value::Null,
         text: String::new(),
         exit_code: ended.exit_code,
     })
+}
+
+/// Says a line, unless nobody takes it.
+fn say_in_time(line: String) {
+    let (said, is_said) = channel();
+    // Without a thread it is left unsaid; the file is there all the same.
+    let started = thread::Builder::new().spawn(move || {
+        say(&[line]);
+        // Nobody listens once the time is over.
+        let _ = said.send(());
+    });
+    if started.is_ok() {
+        let _ = is_said.recv_timeout(LONGEST_SAYING);
+    }
 }
 
 fn scripted(

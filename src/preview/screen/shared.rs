@@ -14,8 +14,10 @@ use crate::output::terminal::{Cells, Colours, PixelPicture, Protocol};
 /// How long a frame that is being written is let go on before what waits of it is
 /// thrown away: a second of a slow line is too long for one who wants to go.
 const GRACE: Duration = Duration::from_millis(100);
-/// How long what waits is thrown away, again and again, until the writer is done:
-/// a frame of 450 KB in a terminal's buffer of 4 KB takes a hundred times.
+/// How long the writer may take to hear that its frame is not wanted. One that
+/// waits in the system, as where a terminal has no name, hears nothing: what waits
+/// is thrown away, again and again, until it is done. A frame of 450 KB in a
+/// terminal's buffer of 4 KB takes a hundred times.
 const FLUSHING: Duration = Duration::from_millis(500);
 /// How long the last bytes may take. They are written by whoever leaves and need no
 /// other thread: on a machine with much else to do, 1 s was too short for one.
@@ -68,6 +70,8 @@ struct Slot {
     /// Whether the last frame is to be written again if there is no newer one.
     is_to_be_redrawn: bool,
     is_writing: bool,
+    /// Whether the rest of the frame that is being written is not wanted any more.
+    is_cut: bool,
     written: Written,
 }
 
@@ -122,6 +126,7 @@ impl Shared {
             is_forgotten: false,
             is_to_be_redrawn: false,
             is_writing: false,
+            is_cut: false,
             written: Written::default(),
         };
         Self {
@@ -191,12 +196,13 @@ impl Shared {
         self.changed.notify_all();
     }
 
-    /// Waits until no frame is being written: for a while in peace, then throwing
-    /// away what the terminal has not read.
+    /// Waits until no frame is being written: for a while in peace, then cutting it
+    /// and throwing away what the terminal has not read.
     fn wait_for_writer(&self, mut slot: MutexGuard<'_, Slot>) {
         let start = Instant::now();
         while slot.is_writing && start.elapsed() < GRACE + FLUSHING {
             if start.elapsed() > GRACE {
+                slot.is_cut = true;
                 self.tty.discard_output();
             }
             slot = self.wait(slot, LOOK);
@@ -276,10 +282,11 @@ impl Shared {
         if self.slot().state != State::Entered {
             return Outcome::LeftOut;
         }
-        if bytes.is_empty() || self.tty.write(bytes).is_ok() {
-            return Outcome::Written;
+        match self.tty.write_while(bytes, || !self.slot().is_cut) {
+            Ok(true) => Outcome::Written,
+            Ok(false) => Outcome::LeftOut,
+            Err(_) => Outcome::Failed,
         }
-        Outcome::Failed
     }
 
     /// Notes what became of a frame; says whether the terminal is lost.
@@ -314,6 +321,7 @@ impl Shared {
                 let next = slot.next.take();
                 if let Some(frame) = next.or_else(|| slot.last.take()) {
                     slot.is_writing = true;
+                    slot.is_cut = false;
                     slot.is_to_be_redrawn = false;
                     let is_forgotten = std::mem::take(&mut slot.is_forgotten);
                     return Some(Work {

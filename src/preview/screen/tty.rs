@@ -27,8 +27,14 @@ pub(super) struct Tty {
     before: Termios,
 }
 
-/// Between two tries to write.
+/// Between two tries to write last words.
 const LOOK: Duration = Duration::from_millis(2);
+/// Between two looks at whether what waits for room is still wanted, if there is no
+/// room before: nobody types as quickly.
+const LOOK_IF_WANTED: Timespec = Timespec {
+    tv_sec: 0,
+    tv_nsec: 20_000_000,
+};
 
 /// How large the terminal is; 0 what it does not say.
 #[derive(Debug, Clone, Copy)]
@@ -81,6 +87,32 @@ impl Tty {
     /// Writes all of it, as one piece where the system takes it so.
     pub(super) fn write(&self, bytes: &[u8]) -> io::Result<()> {
         (&self.output).write_all(bytes)
+    }
+
+    /// Writes as the terminal takes it, as long as it is wanted; whether that was all.
+    /// A write that waits in the system could not be called back: no signal may end
+    /// it, and whoever writes next, as with a program's last message, waits behind it.
+    pub(super) fn write_while(
+        &self,
+        bytes: &[u8],
+        is_wanted: impl Fn() -> bool,
+    ) -> io::Result<bool> {
+        let Some(mut line) = self.unwaiting.as_ref() else {
+            return self.write(bytes).map(|()| true);
+        };
+        let mut rest = bytes;
+        while !rest.is_empty() {
+            if !is_wanted() {
+                return Ok(false);
+            }
+            match line.write(rest) {
+                Ok(count) => rest = &rest[count..],
+                Err(error) if error.kind() == ErrorKind::Interrupted => {}
+                Err(error) if error.kind() != ErrorKind::WouldBlock => return Err(error),
+                Err(_) => wait_for_room(line, &LOOK_IF_WANTED)?,
+            }
+        }
+        Ok(true)
     }
 
     /// Writes all of it within a time, throwing away what was written before it
@@ -163,9 +195,87 @@ impl Tty {
     }
 }
 
+/// Waits until a terminal takes something, at most so long.
+fn wait_for_room(line: &File, limit: &Timespec) -> io::Result<()> {
+    let mut waiting = [PollFd::new(line, PollFlags::OUT)];
+    match poll(&mut waiting, Some(limit)) {
+        Ok(_) | Err(rustix::io::Errno::INTR) => Ok(()),
+        Err(error) => Err(error.into()),
+    }
+}
+
 /// Opens a terminal by its name, so that writing to it never waits.
 fn open_unwaiting(terminal: &File) -> io::Result<File> {
     let name = ttyname(terminal, Vec::new())?;
     let flags = OFlags::WRONLY | OFlags::NONBLOCK | OFlags::NOCTTY | OFlags::CLOEXEC;
     Ok(open(name.as_c_str(), flags, Mode::empty())?.into())
+}
+
+#[cfg(test)]
+mod tests {
+    use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
+
+    use super::*;
+
+    /// Far longer than anything here takes.
+    const PATIENCE: Duration = Duration::from_secs(20);
+
+    /// A terminal and its other end, which nobody reads.
+    fn unread() -> (Tty, OwnedFd) {
+        let master = openpt(OpenptFlags::RDWR | OpenptFlags::NOCTTY).unwrap();
+        grantpt(&master).unwrap();
+        unlockpt(&master).unwrap();
+        let name = ptsname(&master, Vec::new()).unwrap();
+        let flags = OFlags::RDWR | OFlags::NOCTTY;
+        let input = open(name.as_c_str(), flags, Mode::empty()).unwrap();
+        let output = File::from(input.try_clone().unwrap());
+        let tty = Tty {
+            unwaiting: Some(open_unwaiting(&output).unwrap()),
+            before: tcgetattr(&input).unwrap(),
+            input,
+            output,
+        };
+        (tty, master)
+    }
+
+    #[test]
+    fn a_write_that_waits_is_given_up_when_it_is_not_wanted() {
+        let (tty, master) = unread();
+        let start = Instant::now();
+        let is_wanted = || start.elapsed() < Duration::from_millis(100);
+        let frame = vec![b'x'; 1_000_000];
+        assert!(!tty.write_while(&frame, is_wanted).unwrap());
+        assert!(start.elapsed() < PATIENCE);
+        // Nobody stands before the last words.
+        tty.write_within(b"last words", PATIENCE).unwrap();
+        let mut all = Vec::new();
+        while !all.ends_with(b"last words") {
+            let mut buffer = [0; 1_000];
+            let count = read(&master, &mut buffer[..]).unwrap();
+            all.extend_from_slice(&buffer[..count]);
+            assert!(all.len() < frame.len() && start.elapsed() < PATIENCE);
+        }
+    }
+
+    #[test]
+    fn a_write_goes_on_when_there_is_room_again() {
+        let (tty, master) = unread();
+        tty.enter_raw().unwrap();
+        let frame: Vec<u8> = (0..200_000_u32).map(|index| (index % 251) as u8).collect();
+        let reader = thread::spawn({
+            let count = frame.len();
+            move || {
+                let mut all = Vec::new();
+                let mut buffer = [0; 10_000];
+                while all.len() < count {
+                    thread::sleep(Duration::from_millis(1));
+                    let count = read(&master, &mut buffer[..]).unwrap();
+                    all.extend_from_slice(&buffer[..count]);
+                }
+                all
+            }
+        });
+        assert!(tty.write_while(&frame, || true).unwrap());
+        assert!(reader.join().unwrap() == frame);
+    }
 }

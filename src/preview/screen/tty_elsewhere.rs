@@ -47,6 +47,15 @@ impl Tty {
         output.flush()
     }
 
+    /// Writes all of it, wanted or not.
+    pub(super) fn write_while(
+        &self,
+        bytes: &[u8],
+        _is_wanted: impl Fn() -> bool,
+    ) -> io::Result<bool> {
+        self.write(bytes).map(|()| true)
+    }
+
     /// Writes all of it; how long that takes, is up to the system.
     pub(super) fn write_within(&self, bytes: &[u8], _limit: Duration) -> io::Result<()> {
         self.write(bytes)
