@@ -191,10 +191,14 @@ const RAYS_OF_ENERGY: f64 = 33.0;
 /// Lights that the error is stated by take as long as prior lights: 4.7 s beside 4.5 in
 /// cornell.
 const RAYS_OF_TEST_LIGHTS: f64 = 135.0;
-/// Time of a ray that finds what arrives of all test lights, in rays of the transfer. It is
-/// some 0.4 by itself; the rest stands for the compression of rows, which has no term of its
-/// own: 60 to 69 s are foretold of 62 in sheet, 73 to 91 of 82 in cornell.
-const RAYS_OF_TRUE_RAY: f64 = 1.5;
+/// Time of a ray that finds what arrives of all test lights, in rays of the transfer.
+const RAYS_OF_TRUE_RAY: f64 = 0.4;
+/// The rows of a vertex made low-rank factors, in rays of the transfer: in cornell, sheet
+/// and window 630 to 1,500 by 64 to 1,536 rays. Seconds foretold and taken on one machine, a
+/// slow one: cornell 27/31 by 64 rays, 72/72 by 1,536, 159/147 by 6,144; window 32/39 by 64,
+/// 102/139 by 1,536; sheet 21/21 by 64, 118/99 by 6,144. By 1,000 what is foretold by the
+/// defaults would be a fourth too much.
+const RAYS_OF_COMPRESSION: f64 = 700.0;
 /// Points of a vertex's area times the rays of each that tell whether it is in
 /// the open.
 const RAYS_OF_OPEN_POINTS: f64 = 32.0;
@@ -272,17 +276,16 @@ fn with_sides(
 
     let seconds_a_row = seconds_a_row(surface, settings.rays, run);
     // The pilot groups of the sky and what the error is stated by are sampled again.
-    let (audited, true_rays) = size_of_audit(vertices);
+    let (audited, all_true_rays) = size_of_audit(vertices, settings.rays);
     let again = (PILOT_GROUPS * GROUP).min(vertices) + audited;
     let rows = vertices + glossy_vertices + again;
-    // Who chooses coefficients by |c| alone needs no prior lights.
-    let prior_lights = if shares_lists {
-        RAYS_OF_PRIOR_LIGHTS
-    } else {
-        0.0
+    // Who chooses coefficients by |c| alone needs no prior lights and has no factors.
+    let of_scheme = match settings.scheme {
+        Scheme::Relume => RAYS_OF_PRIOR_LIGHTS + RAYS_OF_COMPRESSION,
+        Scheme::Paper => 0.0,
     };
     let rays_a_vertex =
-        RAYS_OF_OPEN_POINTS + RAYS_OF_BASIS + prior_lights + RAYS_OF_ENERGY + RAYS_OF_TEST_LIGHTS;
+        RAYS_OF_OPEN_POINTS + RAYS_OF_BASIS + of_scheme + RAYS_OF_ENERGY + RAYS_OF_TEST_LIGHTS;
     let mut forecast = BakeForecast {
         scheme: settings.scheme,
         partitioner: settings.scheme.partitioner(),
@@ -308,7 +311,7 @@ fn with_sides(
             bytes as f64 * BAKING_COPIES,
         ),
         seconds: seconds_a_row * rows as f64
-            + survey.seconds_a_ray * RAYS_OF_TRUE_RAY * true_rays as f64
+            + survey.seconds_a_ray * RAYS_OF_TRUE_RAY * all_true_rays as f64
             + survey.seconds_a_ray * rays_a_vertex * vertices as f64,
     };
     if folds {

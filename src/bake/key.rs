@@ -7,10 +7,10 @@ use crate::surface::Surface;
 
 /// Changes whenever the same input gives another bake, but for what the two below
 /// say, or the file another form.
-pub(super) const ALGORITHM_VERSION: u32 = 18;
+pub(super) const ALGORITHM_VERSION: u32 = 19;
 
 /// Changes whenever the search for an error that is asked for ends at other settings.
-const SEARCH_VERSION: u32 = 3;
+const SEARCH_VERSION: u32 = 4;
 
 /// Changes whenever the same bake is folded in another way.
 const FOLDING_VERSION: u32 = 1;

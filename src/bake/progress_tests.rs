@@ -84,14 +84,18 @@ fn all_stages() -> Vec<Stage> {
     assert!(error.is_none(), "{error:?}");
     let names: Vec<&str> = stages.iter().map(|stage| stage.name).collect();
     let basis = ["spectral basis", "prior lights"];
-    let trial = ["test lights", "error budget", "transfer", "error budget"];
+    let lights = ["test lights", "test skies"];
+    let trial = ["error budget", "trial 1", "trial 1"];
     let [first, second] = SHORT;
     let all = [
         &[first],
         &basis[..],
+        &lights,
         &trial,
         &basis,
-        &["transfer", second, "test lights", "error"],
+        &["transfer", second],
+        &lights,
+        &["error"],
     ]
     .concat();
     assert_eq!(names, all);

@@ -25,6 +25,26 @@ impl Progress for Silent {
     }
 }
 
+/// Progress of a job within a job: all of its stages bear one name, one after the other.
+pub(super) struct OneName<'a> {
+    pub(super) name: &'static str,
+    pub(super) progress: &'a dyn Progress,
+}
+
+impl Progress for OneName<'_> {
+    fn stage(&self, _name: &'static str, total: u64) {
+        self.progress.stage(self.name, total);
+    }
+
+    fn advance(&self, steps: u64) {
+        self.progress.advance(steps);
+    }
+
+    fn cancelled(&self) -> bool {
+        self.progress.cancelled()
+    }
+}
+
 /// How to run a job: none of this changes a bit of what it computes.
 /// The number of threads is that of the rayon pool it is called in.
 #[derive(Clone, Copy)]

@@ -2,6 +2,7 @@
 
 use super::BakeSettings;
 use super::audit::{ErrorParts, LightErrors};
+use super::budget;
 use super::scheme::{Partitioner, Scheme};
 use super::transfer::GroupTransfer;
 use crate::maths::order::Order;
@@ -124,7 +125,12 @@ impl BakeStats {
             "too much of the transfer is left out: more bake.coefficients would help".to_owned()
         } else {
             let rays = self.rays;
-            format!("{rays} rays a vertex are too few: more bake.rays would help")
+            // Only who sets the key gets more.
+            let most = match rays == *budget::RAYS.end() {
+                true => ", the most that a search takes,",
+                false => "",
+            };
+            format!("{rays} rays a vertex{most} are too few: more bake.rays would help")
         };
         Some(format!(
             "indirect light is within {} in the mean of test lights, {} were asked for; {cause}",
@@ -151,7 +157,12 @@ mod tests {
     }
 
     /// What a bake says that was asked for 2 %, by the parts of its error.
-    fn said(total: f64, [basis, compression, noise]: [f64; 3]) -> Option<String> {
+    fn said(total: f64, parts: [f64; 3]) -> Option<String> {
+        said_by(6144, total, parts)
+    }
+
+    /// The same of one by so many rays.
+    fn said_by(rays: u32, total: f64, [basis, compression, noise]: [f64; 3]) -> Option<String> {
         let errors = ErrorParts {
             total: of_mean(total),
             basis: of_mean(basis),
@@ -160,6 +171,7 @@ mod tests {
             ..ErrorParts::default()
         };
         let stats = BakeStats {
+            rays,
             error_asked: Some(0.02),
             errors,
             ..BakeStats::default()
@@ -180,6 +192,16 @@ mod tests {
         assert_eq!(key_of(0.03, [0.025, 0.01, 0.01]), ["functions"]);
         assert_eq!(key_of(0.03, [0.006, 0.014, 0.004]), ["coefficients"]);
         assert_eq!(key_of(0.0201, [0.006, 0.014, 0.015]), ["rays"]);
+        for (rays, words) in [
+            (
+                16_384,
+                "16384 rays a vertex, the most that a search takes, are",
+            ),
+            (6144, "6144 rays a vertex are"),
+        ] {
+            let of_rays = said_by(rays, 0.0201, [0.006, 0.014, 0.015]).unwrap_or_default();
+            assert!(of_rays.contains(words), "{of_rays}");
+        }
         assert_eq!(said(0.02, [0.02, 0.01, 0.01]), None);
     }
 

@@ -87,7 +87,7 @@ pub(super) struct TestLights {
 }
 
 impl TestLights {
-    /// The lights of a seed; a stage of progress.
+    /// The lights of a seed; stages of progress as [`Self::of_sets`] has them.
     pub(super) fn of(
         places: &Places,
         basis: &Basis,
@@ -98,7 +98,8 @@ impl TestLights {
         Ok(set)
     }
 
-    /// The lights of some seeds, whose skies come by the same rays; a stage of progress.
+    /// The lights of some seeds, whose skies come by the same rays: a stage of progress,
+    /// and one of their skies.
     pub(super) fn of_sets<const SETS: usize>(
         places: &Places,
         basis: &Basis,
@@ -119,7 +120,6 @@ impl TestLights {
                 let (kind, light) = &set.lights[number];
                 if *kind == TestKind::Sky {
                     skies.push((which, number));
-                    continue;
                 }
                 if let Some(light) = light {
                     let direct = direct::at_vertices(&shadows, light);
@@ -135,7 +135,6 @@ impl TestLights {
             .map(|&(which, number)| [seeds[which], number as u32])
             .collect();
         let of_skies = skies_of(places.surface(), run, &keys)?;
-        run.progress.advance(skies.len() as u64);
         for ((which, number), values) in skies.into_iter().zip(of_skies) {
             sets[which].take(places, basis, number, &values);
         }
@@ -226,7 +225,8 @@ fn lights(places: &Places, seed: u32) -> Vec<(TestKind, Option<PlacedLight>)> {
 }
 
 /// Skies by seed and number, each 1 in every direction and brighter about a random one: what
-/// the vertices have of them, by the same rays, of the first one's seed.
+/// the vertices have of them, by the same rays, of the first one's seed. A stage of
+/// progress, if there are any.
 fn skies_of(
     surface: &Surface,
     run: &RunSettings,
@@ -240,6 +240,8 @@ fn skies_of(
         (sphere_direction([u(8), u(9)]), 4.0 * u(10))
     };
     let lobes: Vec<(Vec3, f32)> = skies.iter().map(lobe).collect();
+    run.progress
+        .stage("test skies", surface.vertices.len() as u64);
     let row_of = |vertex: u32| {
         run.proceed()?;
         let mut sums = vec![0.0_f32; lobes.len()];
@@ -252,6 +254,7 @@ fn skies_of(
                 *sum += 1.0 + brighter * if cosine > 0.0 { cosine } else { 0.0 };
             }
         }
+        run.progress.advance(1);
         Ok(sums)
     };
     let rows: Vec<Vec<f32>> = (0..surface.vertices.len() as u32)

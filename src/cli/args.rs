@@ -302,10 +302,11 @@ fn parse_glossy_bounces(text: &str) -> Result<GlossyBounces, String> {
     }
 }
 
-/// Any number that is one; the key `bake.error` has the range.
+/// The range of the key `bake.error`.
 fn parse_share(text: &str) -> Result<f64, String> {
-    let share = text.parse::<f64>().ok().filter(|share| share.is_finite());
-    share.ok_or_else(|| "an error is a number, such as 0.02 for 2 %".to_owned())
+    let is_share = |share: &f64| *share > 0.0 && *share < 1.0;
+    let share = text.parse::<f64>().ok().filter(is_share);
+    share.ok_or_else(|| "an error is a number above 0 and below 1, such as 0.02 for 2 %".to_owned())
 }
 
 fn parse_component(text: &str) -> Result<Component, ComponentError> {

@@ -1,6 +1,7 @@
 //! From arguments to a running job: scene, threads, cache folder, progress.
 
 use std::path::PathBuf;
+use std::sync::{PoisonError, RwLock};
 
 use indicatif::{ProgressBar, ProgressStyle};
 use relume::{Override, Progress, RunSettings, Scene, ThreadPool};
@@ -12,7 +13,11 @@ use super::signals;
 
 /// A bar on a terminal, silence elsewhere; stops the job when a signal arrives.
 pub(super) struct Bar {
-    bar: ProgressBar,
+    /// What the job is part of.
+    job: String,
+    /// Of the stage; hidden before the first. Each has its own, so that nothing of
+    /// the one before is seen or counted.
+    bar: RwLock<ProgressBar>,
 }
 
 impl Bar {
@@ -22,33 +27,39 @@ impl Bar {
 
     /// A bar that says before each stage what it is part of.
     pub(super) fn of_job(name: &str) -> Self {
-        let bar = ProgressBar::new(0);
-        bar.set_prefix(name.to_owned());
-        let style =
-            ProgressStyle::with_template("{prefix}{msg:>16} [{bar:40}] {percent:>3}% {eta}");
-        bar.set_style(
-            style
-                .unwrap_or_else(|_| ProgressStyle::default_bar())
-                .progress_chars("=> "),
-        );
-        Self { bar }
+        Self {
+            job: name.to_owned(),
+            bar: RwLock::new(ProgressBar::hidden()),
+        }
     }
 
     /// Takes the bar away before anything else is printed.
     pub(super) fn clear(&self) {
-        self.bar.finish_and_clear();
+        let bar = self.bar.read().unwrap_or_else(PoisonError::into_inner);
+        bar.finish_and_clear();
     }
 }
 
 impl Progress for Bar {
     fn stage(&self, name: &'static str, total: u64) {
-        self.bar.reset();
-        self.bar.set_length(total);
-        self.bar.set_message(name);
+        let style =
+            ProgressStyle::with_template("{prefix}{msg:>16} [{bar:40}] {percent:>3}% {eta}")
+                .unwrap_or_else(|_| ProgressStyle::default_bar())
+                .progress_chars("=> ");
+        let next = ProgressBar::new(total)
+            .with_prefix(self.job.clone())
+            .with_message(name)
+            .with_style(style);
+        let mut bar = self.bar.write().unwrap_or_else(PoisonError::into_inner);
+        bar.finish_and_clear();
+        next.tick();
+        *bar = next;
     }
 
     fn advance(&self, steps: u64) {
-        self.bar.inc(steps);
+        // Threads do not wait for one another here.
+        let bar = self.bar.read().unwrap_or_else(PoisonError::into_inner);
+        bar.inc(steps);
     }
 
     fn cancelled(&self) -> bool {

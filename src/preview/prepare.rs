@@ -299,6 +299,7 @@ mod tests {
                 "prior lights",
                 "folding bounces",
                 "test lights",
+                "test skies",
                 "error of folding"
             ]
         );

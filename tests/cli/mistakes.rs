@@ -58,12 +58,10 @@ fn wrong_values_on_the_command_line() {
     refused(&["--simd", "avx9"], USAGE, &["avx9", "scalar", "auto"]);
     refused(&["--threads", "0"], USAGE, &["--threads", "1..=1024"]);
     refused(&["--wiht"], USAGE, &["--wiht"]);
-    for (error, word) in [
-        ("nan", "such as 0.02"),
-        ("x", "such as 0.02"),
-        ("-1", "bake.error"),
-    ] {
-        refused(&["--error", error], USAGE, &[error, word]);
+    for error in ["nan", "x", "2%", "-1", "0", "1", "2"] {
+        let quoted = format!("'{error}'");
+        let words = [&*quoted, "above 0 and below 1", "such as 0.02"];
+        refused(&["--error", error], USAGE, &words);
     }
     refused(
         &["--no-cache", "--cache-dir", "x"],

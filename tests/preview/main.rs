@@ -107,6 +107,7 @@ fn a_window_that_reads_nothing_or_is_closed_does_not_hold_it() {
     assert!(start_of_end.elapsed() < LONGEST_LEAVING);
     terminal.read(true);
     terminal.assert_as_before();
+    terminal.wait_for("changes were not saved");
     let mut terminal = start((80, 24));
     terminal.close();
     terminal.end();

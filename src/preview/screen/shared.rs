@@ -15,7 +15,7 @@ use crate::output::terminal::{Cells, Colours, PixelPicture, Protocol};
 /// thrown away: a second of a slow line is too long for one who wants to go.
 const GRACE: Duration = Duration::from_millis(100);
 /// How long the writer may take to hear that its frame is not wanted. One that
-/// waits in the system, as where a terminal has no name, hears nothing: what waits
+/// waits in the system, as where a terminal cannot be opened again, hears nothing: what waits
 /// is thrown away, again and again, until it is done. A frame of 450 KB in a
 /// terminal's buffer of 4 KB takes a hundred times.
 const FLUSHING: Duration = Duration::from_millis(500);
@@ -70,7 +70,8 @@ struct Slot {
     /// Whether the last frame is to be written again if there is no newer one.
     is_to_be_redrawn: bool,
     is_writing: bool,
-    /// Whether the rest of the frame that is being written is not wanted any more.
+    /// Whether the rest of the frame that is being written is not wanted any more, and
+    /// none is begun before the terminal is taken again.
     is_cut: bool,
     written: Written,
 }
@@ -100,7 +101,8 @@ pub(super) struct Shared {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Outcome {
     Written,
-    LeftOut,
+    /// Of which nothing was written, or the beginning.
+    Cut,
     Failed,
 }
 
@@ -153,20 +155,41 @@ impl Shared {
 
     /// Takes the terminal, whoever has it, and lets frames through.
     pub(super) fn enter(&self) -> io::Result<()> {
-        if self.slot().state == State::Ended {
+        let Some(before) = self.hold_writer() else {
             return Ok(());
+        };
+        let taken = self.take_terminal(before);
+        let mut slot = self.slot();
+        slot.is_cut = false;
+        slot.is_forgotten = true;
+        slot.is_to_be_redrawn |= taken.is_ok();
+        drop(slot);
+        self.changed.notify_all();
+        taken
+    }
+
+    /// Lets no frame begin and waits until none is being written; who has the terminal
+    /// then, or nothing if all is over.
+    fn hold_writer(&self) -> Option<State> {
+        let mut slot = self.slot();
+        slot.is_cut = true;
+        let start = Instant::now();
+        while slot.is_writing && start.elapsed() < FLUSHING {
+            slot = self.wait(slot, LOOK);
         }
+        (slot.state != State::Ended).then_some(slot.state)
+    }
+
+    fn take_terminal(&self, before: State) -> io::Result<()> {
         self.tty.enter_raw()?;
         self.is_left.store(false, Ordering::Relaxed);
         // Before the bytes, so that leaving takes back what may have arrived.
         self.slot().state = State::Entered;
-        self.tty.write(modes::ENTER)?;
-        let mut slot = self.slot();
-        slot.is_forgotten = true;
-        slot.is_to_be_redrawn = true;
-        drop(slot);
-        self.changed.notify_all();
-        Ok(())
+        if before == State::Entered {
+            // A frame may have been cut.
+            self.tty.write(modes::CUT)?;
+        }
+        self.tty.write(modes::ENTER)
     }
 
     /// Gives the terminal back, if we have it. Who comes second waits until it is
@@ -280,11 +303,11 @@ impl Shared {
     /// Writes a frame, unless the terminal has been given back meanwhile.
     fn write_if_entered(&self, bytes: &[u8]) -> Outcome {
         if self.slot().state != State::Entered {
-            return Outcome::LeftOut;
+            return Outcome::Cut;
         }
         match self.tty.write_while(bytes, || !self.slot().is_cut) {
             Ok(true) => Outcome::Written,
-            Ok(false) => Outcome::LeftOut,
+            Ok(false) => Outcome::Cut,
             Err(_) => Outcome::Failed,
         }
     }
@@ -317,11 +340,10 @@ impl Shared {
                 return None;
             }
             let is_redrawn = slot.is_to_be_redrawn && slot.last.is_some();
-            if slot.state == State::Entered && (slot.next.is_some() || is_redrawn) {
+            if slot.state == State::Entered && !slot.is_cut && (slot.next.is_some() || is_redrawn) {
                 let next = slot.next.take();
                 if let Some(frame) = next.or_else(|| slot.last.take()) {
                     slot.is_writing = true;
-                    slot.is_cut = false;
                     slot.is_to_be_redrawn = false;
                     let is_forgotten = std::mem::take(&mut slot.is_forgotten);
                     return Some(Work {

@@ -22,7 +22,8 @@ pub(super) struct Tty {
     /// Not `Stdout`: that would cut a frame at its lines.
     output: File,
     /// The same terminal opened once more, for writes that do not wait: what is set
-    /// of standard output is set for the shell too. None where it has no name.
+    /// of standard output is set for the shell too. None where it has no name or may not
+    /// be opened, as after `su`.
     unwaiting: Option<File>,
     before: Termios,
 }
@@ -30,7 +31,7 @@ pub(super) struct Tty {
 /// Between two tries to write last words.
 const LOOK: Duration = Duration::from_millis(2);
 /// Between two looks at whether what waits for room is still wanted, if there is no
-/// room before: nobody types as quickly.
+/// room before: far less than whoever cuts a frame waits for.
 const LOOK_IF_WANTED: Timespec = Timespec {
     tv_sec: 0,
     tv_nsec: 20_000_000,
@@ -106,6 +107,7 @@ impl Tty {
                 return Ok(false);
             }
             match line.write(rest) {
+                Ok(0) => return Err(ErrorKind::WriteZero.into()),
                 Ok(count) => rest = &rest[count..],
                 Err(error) if error.kind() == ErrorKind::Interrupted => {}
                 Err(error) if error.kind() != ErrorKind::WouldBlock => return Err(error),
@@ -125,6 +127,7 @@ impl Tty {
         let mut rest = bytes;
         while !rest.is_empty() {
             match line.write(rest) {
+                Ok(0) => return Err(ErrorKind::WriteZero.into()),
                 Ok(count) => rest = &rest[count..],
                 Err(error) if error.kind() == ErrorKind::Interrupted => {}
                 Err(error) if error.kind() != ErrorKind::WouldBlock => return Err(error),
@@ -213,6 +216,9 @@ fn open_unwaiting(terminal: &File) -> io::Result<File> {
 
 #[cfg(test)]
 mod tests {
+    use std::cell::Cell;
+    use std::sync::mpsc::channel;
+
     use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
 
     use super::*;
@@ -222,11 +228,12 @@ mod tests {
 
     /// A terminal and its other end, which nobody reads.
     fn unread() -> (Tty, OwnedFd) {
-        let master = openpt(OpenptFlags::RDWR | OpenptFlags::NOCTTY).unwrap();
+        let flags = OpenptFlags::RDWR | OpenptFlags::NOCTTY | OpenptFlags::CLOEXEC;
+        let master = openpt(flags).unwrap();
         grantpt(&master).unwrap();
         unlockpt(&master).unwrap();
         let name = ptsname(&master, Vec::new()).unwrap();
-        let flags = OFlags::RDWR | OFlags::NOCTTY;
+        let flags = OFlags::RDWR | OFlags::NOCTTY | OFlags::CLOEXEC;
         let input = open(name.as_c_str(), flags, Mode::empty()).unwrap();
         let output = File::from(input.try_clone().unwrap());
         let tty = Tty {
@@ -235,47 +242,57 @@ mod tests {
             input,
             output,
         };
+        tty.enter_raw().unwrap();
         (tty, master)
+    }
+
+    /// What comes out at the other end until enough has come, in time.
+    fn read_until(master: &OwnedFd, is_enough: impl Fn(&[u8]) -> bool) -> Vec<u8> {
+        let limit = Timespec {
+            tv_sec: PATIENCE.as_secs() as i64,
+            tv_nsec: 0,
+        };
+        let mut all = Vec::new();
+        while !is_enough(&all) {
+            let mut waiting = [PollFd::new(master, PollFlags::IN)];
+            assert!(poll(&mut waiting, Some(&limit)).unwrap() > 0, "{all:?}");
+            let mut buffer = [0; 10_000];
+            let count = read(master, &mut buffer[..]).unwrap();
+            all.extend_from_slice(&buffer[..count]);
+        }
+        all
     }
 
     #[test]
     fn a_write_that_waits_is_given_up_when_it_is_not_wanted() {
         let (tty, master) = unread();
-        let start = Instant::now();
-        let is_wanted = || start.elapsed() < Duration::from_millis(100);
         let frame = vec![b'x'; 1_000_000];
-        assert!(!tty.write_while(&frame, is_wanted).unwrap());
-        assert!(start.elapsed() < PATIENCE);
-        // Nobody stands before the last words.
-        tty.write_within(b"last words", PATIENCE).unwrap();
-        let mut all = Vec::new();
-        while !all.ends_with(b"last words") {
-            let mut buffer = [0; 1_000];
-            let count = read(&master, &mut buffer[..]).unwrap();
-            all.extend_from_slice(&buffer[..count]);
-            assert!(all.len() < frame.len() && start.elapsed() < PATIENCE);
-        }
+        let (sender, done) = channel();
+        thread::spawn(move || {
+            let looks = Cell::new(0);
+            let is_wanted = || looks.replace(looks.get() + 1) < 50;
+            let is_whole = tty.write_while(&frame, is_wanted).unwrap();
+            // Nobody stands before the last words.
+            tty.write_within(b"last words", PATIENCE).unwrap();
+            sender.send((is_whole, tty)).unwrap();
+        });
+        let (is_whole, _tty) = done.recv_timeout(PATIENCE).expect("nothing waits");
+        assert!(!is_whole);
+        let all = read_until(&master, |all| all.ends_with(b"last words"));
+        assert!(all.starts_with(b"x"), "the frame was begun");
     }
 
     #[test]
     fn a_write_goes_on_when_there_is_room_again() {
         let (tty, master) = unread();
-        tty.enter_raw().unwrap();
         let frame: Vec<u8> = (0..200_000_u32).map(|index| (index % 251) as u8).collect();
-        let reader = thread::spawn({
-            let count = frame.len();
-            move || {
-                let mut all = Vec::new();
-                let mut buffer = [0; 10_000];
-                while all.len() < count {
-                    thread::sleep(Duration::from_millis(1));
-                    let count = read(&master, &mut buffer[..]).unwrap();
-                    all.extend_from_slice(&buffer[..count]);
-                }
-                all
-            }
+        let writer = thread::spawn({
+            let frame = frame.clone();
+            move || tty.write_while(&frame, || true).unwrap()
         });
-        assert!(tty.write_while(&frame, || true).unwrap());
-        assert!(reader.join().unwrap() == frame);
+        // So that it has to wait.
+        thread::sleep(Duration::from_millis(50));
+        assert!(read_until(&master, |all| all.len() >= frame.len()) == frame);
+        assert!(writer.join().unwrap());
     }
 }

@@ -252,6 +252,7 @@ fn a_stored_bake_without_folded_bounces_is_folded_and_stored_with_them() {
             "prior lights",
             "folding bounces",
             "test lights",
+            "test skies",
             "error of folding"
         ]
     );
