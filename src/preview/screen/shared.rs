@@ -15,9 +15,9 @@ use crate::output::terminal::{Cells, Colours, PixelPicture, Protocol};
 /// thrown away: a second of a slow line is too long for one who wants to go.
 const GRACE: Duration = Duration::from_millis(100);
 /// How long the writer may take to hear that its frame is not wanted. One that
-/// waits in the system, as where a terminal cannot be opened again, hears nothing: what waits
-/// is thrown away, again and again, until it is done. A frame of 450 KB in a
-/// terminal's buffer of 4 KB takes a hundred times.
+/// waits in the system, as where a terminal cannot be opened again, hears nothing:
+/// what waits is thrown away, again and again, until it is done. A frame of 450 KB
+/// in a terminal's buffer of 4 KB takes a hundred times.
 const FLUSHING: Duration = Duration::from_millis(500);
 /// How long the last bytes may take. They are written by whoever leaves and need no
 /// other thread: on a machine with much else to do, 1 s was too short for one.
@@ -180,6 +180,7 @@ impl Shared {
         (slot.state != State::Ended).then_some(slot.state)
     }
 
+    /// Takes the terminal from who has it, which may be us.
     fn take_terminal(&self, before: State) -> io::Result<()> {
         self.tty.enter_raw()?;
         self.is_left.store(false, Ordering::Relaxed);
